@@ -1,0 +1,155 @@
+#include <cmath>
+
+#include "cli/exposure.h"
+#include "cli/opened_store.h"
+#include "relumbre/base/error.h"
+#include "relumbre/image/image_io.h"
+#include "relumbre/render/view.h"
+
+namespace relumbre::cli {
+
+namespace {
+
+struct Options {
+  StoreOptions store;
+  std::vector<std::string> outputs;
+  std::string camera = "auto", size = "1280x720", mode = "per-pixel", exposure = "auto",
+              curve = "filmic";
+  std::string radiosity;
+  float crease_deg = 30;
+  ViewConfig view;
+};
+
+void parse_size(const std::string& text, ViewConfig& view) {
+  int read = 0;
+  if (std::sscanf(text.c_str(), "%zux%zu%n", &view.width, &view.height, &read) != 2 ||
+      static_cast<std::size_t>(read) != text.size()) {
+    throw CLI::ValidationError("--size",
+                               "must read WIDTHxHEIGHT, for example 1280x720, not " + text);
+  }
+}
+
+ToneConfig parse_tone(const Options& options) {
+  ToneConfig tone = parse_exposure(options.exposure);
+  tone.curve = options.curve == "filmic" ? ToneCurve::kFilmic : ToneCurve::kSrgb;
+  return tone;
+}
+
+/// "auto", the name of one of the scene's cameras, or a cam.json.
+Camera choose_camera(const std::string& choice, const Scene& scene) {
+  if (choice == "auto") return auto_camera(scene);
+  for (const Camera& camera : scene.cameras) {
+    if (camera.name == choice) return camera;
+  }
+  if (std::filesystem::path(choice).extension() == ".json") return read_camera(choice);
+  throw ValueError("--camera " + choice +
+                   ": no camera of the scene has that name, nor is it a .json file");
+}
+
+/// B given by the user instead of computed, for looking at `solve`'s result.
+RelitResult given_radiosity(const OpenedStore& store, const std::string& file) {
+  const std::size_t n = store.baked.tessellation.elements();
+  const FloatArray array = read_npy(file);
+  if (array.shape != std::vector<std::size_t>{n, 3}) {
+    throw FileError(file, fmt::format("must have shape ({},3)", n));
+  }
+  RelitResult lit{std::vector<Rgb>(n), std::vector<Rgb>(n), std::vector<Rgb>(n)};
+  std::copy(array.data.begin(), array.data.end(), flat(lit.radiosity).begin());
+  if (!store.has_emission()) {
+    lit.emission = scaled_emission(store.baked.scene, store.baked.tessellation,
+                                   store.baked.emission, store.lights);
+  }
+  return lit;
+}
+
+/// B of --emission.
+RelitResult relit_emission(const OpenedStore& store, Session& session) {
+  const std::size_t n = store.baked.tessellation.elements();
+  const FloatArray emission = store.read_emission();
+  if (emission.data.size() != 3 * n)
+    throw ShapeError("render takes one source vector in --emission");
+  RelitResult lit{std::vector<Rgb>(n), std::vector<Rgb>(n), std::vector<Rgb>(n)};
+  std::copy(emission.data.begin(), emission.data.end(), flat(lit.emission).begin());
+  store.make_operator(session)->apply(emission.data, flat(lit.radiosity));
+  return lit;
+}
+
+RelitResult light_up(const Options& options, const OpenedStore& store, Session& session) {
+  if (!options.radiosity.empty()) return given_radiosity(store, options.radiosity);
+  if (store.has_emission()) return relit_emission(store, session);
+  return store.relight(session);
+}
+
+void run(Options options, Session& session) {
+  parse_size(options.size, options.view);
+  const ToneConfig tone = parse_tone(options);
+  for (const std::string& output : options.outputs) {
+    if (!can_save_image(output))
+      throw FileError(output, "cannot be written: render writes .exr and .png");
+  }
+  const OpenedStore store(options.store, session);
+  const Camera camera = choose_camera(options.camera, store.baked.scene);
+  const RelitResult lit = light_up(options, store, session);
+  const bool own_light = store.has_emission() || !options.radiosity.empty();
+  options.view.mode =
+      options.mode == "gouraud" || own_light ? ViewMode::kGouraud : ViewMode::kDirectPerPixel;
+
+  const Stopwatch watch;
+  const DisplayMesh display = conforming_mesh(store.baked.tessellation, options.crease_deg);
+  const Image image = render_view({store.baked.scene, store.baked.tessellation, display, store.rays,
+                                   store.baked.reflectance, store.lights, lit},
+                                  camera, options.view, session.progress);
+  session.progress.clear();
+  session.report.figure("render_s", "rendered in", watch.seconds(), seconds_text(watch.seconds()));
+  session.report.figure("exposure_scale", "exposure", exposure_scale(image, tone),
+                        fmt::format("{:.2f} stops", std::log2(exposure_scale(image, tone))));
+  for (const std::string& output : options.outputs) {
+    save_image(output, image, tone);
+    session.report.figure("output", "wrote", output);
+  }
+}
+
+}  // namespace
+
+void add_render_command(CLI::App& app) {
+  add_command<Options>(
+      app, "render", "A picture of a store under given lights",
+      "relumbre render room.h5 --lights evening.json --camera main --size 1280x720 -o evening.png "
+      "-o evening.exr",
+      [](CLI::App& command, Options& o) {
+        add_store_options(command, o.store);
+        command.add_option("-o,--output", o.outputs, "Picture to write: .png or .exr (repeatable)")
+            ->required();
+        command
+            .add_option("--camera", o.camera, "auto, a camera of the scene by name, or cam.json")
+            ->capture_default_str();
+        command.add_option("--size", o.size, "WIDTHxHEIGHT in pixels")->capture_default_str();
+        command
+            .add_option(
+                "--mode", o.mode,
+                "per-pixel: direct light by shadow rays at each pixel; gouraud: interpolated")
+            ->check(CLI::IsMember({"per-pixel", "gouraud"}))
+            ->capture_default_str();
+        command.add_option("--samples", o.view.samples, "Rays per pixel")->capture_default_str();
+        command
+            .add_option("--shadow-samples", o.view.light_samples,
+                        "Shadow rays per pixel and light with a surface")
+            ->capture_default_str();
+        command
+            .add_option("--smoothing", o.view.smoothing_passes,
+                        "Passes over coplanar elements against noise")
+            ->capture_default_str();
+        command.add_option("--crease", o.crease_deg, "Edges sharper than this stay sharp, degrees")
+            ->capture_default_str();
+        command.add_option("--exposure", o.exposure, "Of .png: auto, or stops")
+            ->capture_default_str();
+        command.add_option("--curve", o.curve, "Of .png: filmic or srgb")
+            ->check(CLI::IsMember({"filmic", "srgb"}))
+            ->capture_default_str();
+        command.add_option("--radiosity", o.radiosity,
+                           "Show this B.npy, for example of `relumbre solve`");
+      },
+      run);
+}
+
+}  // namespace relumbre::cli

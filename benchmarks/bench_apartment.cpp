@@ -1,0 +1,188 @@
+// A real interior, end to end: bake, relight and look at the apartment of the data folder, with the
+// ceiling that it lacks. Writes apartment.glb, apartment.h5 and apartment-*.png beside the JSON.
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include <fmt/format.h>
+
+#include "relumbre/base/temporary_folder.h"
+#include "relumbre/image/image_io.h"
+#include "relumbre/radiosity/seen_area.h"
+#include "relumbre/render/response_cache.h"
+#include "relumbre/render/view.h"
+#include "relumbre/scene/gltf_writer.h"
+#include "relumbre/scene/import.h"
+#include "relumbre/store/bake.h"
+#include "relumbre/store/store.h"
+#include "report.h"
+
+namespace relumbre::bench {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Of this process so far, bytes; `reset` starts it anew (Linux).
+std::size_t peak_memory() {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);) {
+    if (line.starts_with("VmHWM:")) return std::stoul(line.substr(6)) * 1024;
+  }
+  return 0;
+}
+void reset_peak_memory() { std::ofstream("/proc/self/clear_refs") << "5"; }
+
+/// A white quad just above everything, facing down.
+void add_ceiling(Scene& scene) {
+  const Box box = bounds(scene.mesh.positions);
+  const float y = box.upper.y + 0.001F;
+  const auto first = static_cast<std::uint32_t>(scene.mesh.positions.size());
+  for (const auto& [x, z] : {std::pair{box.lower.x, box.lower.z},
+                             {box.upper.x, box.lower.z},
+                             {box.upper.x, box.upper.z},
+                             {box.lower.x, box.upper.z}}) {
+    scene.mesh.positions.emplace_back(x, y, z);
+  }
+  if (!scene.texcoords.empty()) scene.texcoords.resize(scene.mesh.positions.size());
+  if (!scene.shading_normals.empty())
+    scene.shading_normals.resize(scene.mesh.positions.size(), {0, -1, 0});
+  scene.materials.push_back({.name = "added ceiling", .reflectance = Rgb(0.8F)});
+  scene.objects.push_back({"added ceiling"});
+  for (const Index3& t :
+       {Index3{first, first + 1, first + 2}, Index3{first, first + 2, first + 3}}) {
+    scene.mesh.triangles.push_back(t);
+    scene.mesh.material.push_back(static_cast<std::uint32_t>(scene.materials.size() - 1));
+    scene.mesh.object.push_back(static_cast<std::uint32_t>(scene.objects.size() - 1));
+    scene.mesh.two_sided.push_back(0);
+  }
+}
+
+Scene load_apartment(const fs::path& data) {
+  const TemporaryFolder folder;
+  const std::string unpack = fmt::format(
+      "xz -dc '{}' > '{}' && cp '{}' '{}'", (data / "interior/apartment.obj.xz").string(),
+      (folder.path() / "apartment.obj").string(), (data / "interior/apartment.mtl").string(),
+      folder.path().string());
+  if (std::system(unpack.c_str()) != 0) return {};
+  Scene scene = import_scene(folder.path() / "apartment.obj").scene;
+  add_ceiling(scene);
+  return scene;
+}
+
+/// Ceiling panels over the rooms, warm and cool.
+std::vector<Light> panels(const Scene& scene) {
+  const Box box = bounds(scene.mesh.positions);
+  std::vector<Light> lights;
+  for (int i = 0; i < 4; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      Light light;
+      light.name = fmt::format("panel {} {}", i, j);
+      light.type = LightType::kQuad;
+      light.edge1 = {0.6F, 0, 0};
+      light.edge2 = {0, 0, 0.6F};
+      const Vec3f size = box.size();
+      light.position = {box.lower.x + size.x * (static_cast<float>(i) + 0.5F) / 4 - 0.3F,
+                        box.upper.y - 0.02F,
+                        box.lower.z + size.z * (static_cast<float>(j) + 0.5F) / 3 - 0.3F};
+      light.color = (i + j) % 2 == 0 ? Rgb(1, 0.86F, 0.7F) : Rgb(0.85F, 0.93F, 1);
+      light.intensity = 60;
+      lights.push_back(light);
+    }
+  }
+  return lights;
+}
+
+/// Bakes and reports time and memory.
+void bake_it(const Scene& scene, const fs::path& store, const BakeConfig& config, Report& report) {
+  const BakeEstimate estimate = estimate_bake(scene, config);
+  reset_peak_memory();
+  const std::size_t before = peak_memory();
+  double seconds = 0;
+  BakeResult result;
+  const std::function<void()> once = [&] { result = bake(scene, config, store); };
+  seconds = seconds_of(once);
+  const auto counts =
+      static_cast<double>(result.nonzeros) * 8 + static_cast<double>(config.elements) * 8;
+  report.figure("bake, s", seconds, "s");
+  report.figure("tracing, Mray/s",
+                static_cast<double>(config.elements) * config.rays / result.trace_seconds / 1e6,
+                "Mray/s");
+  report.figure("peak memory of the bake, MB", static_cast<double>(peak_memory()) / 1e6, "MB");
+  report.figure("memory before it, MB", static_cast<double>(before) / 1e6, "MB");
+  report.figure("predicted peak, MB", static_cast<double>(estimate.peak_bytes()) / 1e6, "MB");
+  report.figure("counts, MB", counts / 1e6, "MB");
+  report.figure("scene, MB", static_cast<double>(estimate.scene_bytes) / 1e6, "MB");
+  report.figure(
+      "peak / (counts + scene)",
+      static_cast<double>(peak_memory()) / (counts + static_cast<double>(estimate.scene_bytes)),
+      "");
+  report.figure("rays that left the scene", result.energy.escaped, "");
+}
+
+void relight_and_look(const fs::path& folder, const BakedScene& baked, Report& report) {
+  const RayScene rays(baked.scene.mesh);
+  const std::vector<float> weights = seen_area(baked.counts, baked.tessellation.area);
+  const auto relight_operator = make_compressed_operator(
+      {baked.counts, baked.tessellation.patch_offsets, weights, baked.reflectance},
+      CountFormat::kCounts8);
+  std::vector<Light> lights = panels(baked.scene);
+  ResponseCache cache(baked.scene, baked.tessellation, rays);
+  const std::vector<LightResponse> responses = cache.responses(lights);
+
+  RelitResult lit;
+  const std::function<void()> frame = [&] {
+    lit = relight(baked.scene, baked.tessellation, baked.reflectance, baked.emission,
+                  *relight_operator, lights, responses);
+  };
+  const double seconds = median_seconds(std::span(&frame, 1), 20)[0];
+  report.figure("relight with 12 lamps, ms", seconds * 1e3, "ms");
+  report.figure("relight rate, Hz", 1 / seconds, "Hz");
+
+  const DisplayMesh display = conforming_mesh(baked.tessellation);
+  const LitScene view{baked.scene, baked.tessellation, display, rays, baked.reflectance, lights,
+                      lit};
+  const std::pair<const char*, Camera> cameras[] = {
+      {"living", {"", {6.9F, 1.6F, -1.0F}, {4.5F, 1.2F, -4.5F}, {0, 1, 0}, 65}},
+      {"kitchen", {"", {6.2F, 1.6F, -8.2F}, {9.5F, 1.1F, -5.5F}, {0, 1, 0}, 65}},
+      {"bedroom", {"", {2.2F, 1.6F, -8.5F}, {4.2F, 1.0F, -10.5F}, {0, 1, 0}, 65}}};
+  for (const auto& [name, camera] : cameras) {
+    ViewConfig config;
+    config.width = 960, config.height = 540, config.samples = 4;
+    const Image image = render_view(view, camera, config);
+    save_image(folder / fmt::format("apartment-{}.png", name), image, {.auto_exposure = true});
+  }
+}
+
+int run(int argc, char** argv) {
+  Report report("apartment", argc, argv);
+  const char* data = std::getenv("RELUMBRE_DATA");
+  const fs::path source = data == nullptr ? "" : data;
+  if (!fs::exists(source / "interior/apartment.obj.xz")) {
+    report.note("skipped: no interior/apartment.obj.xz in RELUMBRE_DATA");
+    return report.finish();
+  }
+  const fs::path folder = fs::path(report.option("output", "./apartment.json")).parent_path();
+  const Scene scene = load_apartment(source);
+  write_gltf(folder / "apartment.glb", scene);
+  BakeConfig config;
+  config.elements = std::stoul(report.option("elements", "200000"));
+  config.patches = std::stoul(report.option("patches", "2000"));
+  config.rays = static_cast<std::uint32_t>(std::stoul(report.option("rays", "512")));
+  config.scene_name = "apartment";
+  bake_it(scene, folder / "apartment.h5", config, report);
+  relight_and_look(folder, read_store(folder / "apartment.h5"), report);
+  return report.finish();
+}
+
+}  // namespace
+}  // namespace relumbre::bench
+
+int main(int argc, char** argv) {
+  try {
+    return relumbre::bench::run(argc, argv);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return 1;
+  }
+}

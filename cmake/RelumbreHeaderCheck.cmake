@@ -1,0 +1,13 @@
+# Target header_check: every public header compiles alone.
+file(GLOB headers RELATIVE ${PROJECT_SOURCE_DIR}/src CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/relumbre/*/*.h)
+set(sources)
+foreach(header ${headers})
+  string(MAKE_C_IDENTIFIER ${header} name)
+  set(source ${PROJECT_BINARY_DIR}/header_check/${name}.cpp)
+  file(CONFIGURE OUTPUT ${source} CONTENT "#include \"@header@\"\n" @ONLY)
+  list(APPEND sources ${source})
+endforeach()
+add_library(header_check OBJECT EXCLUDE_FROM_ALL ${sources})
+get_property(modules GLOBAL PROPERTY RELUMBRE_MODULES)
+list(TRANSFORM modules PREPEND relumbre_)
+target_link_libraries(header_check PRIVATE ${modules} relumbre_options PkgConfig::HWY embree TBB::tbb hdf5::hdf5)

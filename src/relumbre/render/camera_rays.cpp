@@ -1,0 +1,48 @@
+#include "relumbre/render/camera_rays.h"
+
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "relumbre/base/error.h"
+
+namespace relumbre {
+
+namespace {
+
+void check(const Camera& camera, std::size_t width, std::size_t height) {
+  const auto refuse = [&](std::string_view reason) {
+    throw ValueError(fmt::format("camera '{}': {}", camera.name, reason));
+  };
+  const float distance = length(camera.target - camera.eye);
+  if (!std::isfinite(distance)) refuse("eye or target is not finite, or too far away");
+  if (!(distance > 0)) refuse("eye and target coincide");
+  if (!is_finite(camera.up)) refuse("up is not finite");
+  if (!(camera.vfov_deg > 0 && camera.vfov_deg < 180)) {
+    refuse(fmt::format("vfov_deg is {}, not between 0 and 180", camera.vfov_deg));
+  }
+  if (width == 0 || height == 0) refuse("the image has no pixels");
+}
+
+}  // namespace
+
+CameraRays::CameraRays(const Camera& camera, std::size_t width, std::size_t height) {
+  check(camera, width, height);
+  eye_ = camera.eye;
+  forward_ = normalized(camera.target - camera.eye);
+  Vec3f right = cross(forward_, normalized(camera.up));
+  right = length(right) > 1e-5F ? normalized(right) : Frame(forward_).t;
+  const Vec3f up = cross(right, forward_);
+
+  const float half_height = std::tan(camera.vfov_deg * std::numbers::pi_v<float> / 360);
+  const float pixel = 2 * half_height / static_cast<float>(height);
+  step_x_ = right * pixel;
+  step_y_ = up * -pixel;
+  corner_ = forward_ + up * half_height - step_x_ * (static_cast<float>(width) / 2);
+}
+
+Ray CameraRays::through(float x, float y) const {
+  return {.origin = eye_, .direction = corner_ + step_x_ * x + step_y_ * y};
+}
+
+}  // namespace relumbre
