@@ -42,6 +42,7 @@ HWY_INLINE Vector load_as_float(const Count* p) {
 }
 
 /// kRows rows at a time share each load of y; kRows · kChannels sums hide the latency of MulAdd.
+/// A step takes a cache line of each row, so that prefetches are spread evenly.
 template <std::size_t kChannels, std::size_t kRows, class T>
 HWY_INLINE void multiply_rows(const T* table, std::size_t columns, const float* y, float* out) {
   const Floats df;
@@ -49,16 +50,20 @@ HWY_INLINE void multiply_rows(const T* table, std::size_t columns, const float* 
   const std::size_t ahead = prefetch_distance(kRows * columns * sizeof(T));
   Vector sum[kRows * kChannels];
   for (Vector& s : sum) s = hn::Zero(df);
-  for (std::size_t p = 0; p < columns; p += hn::Lanes(df)) {
-    Vector y_p[kChannels];
-    for (std::size_t c = 0; c < kChannels; ++c) y_p[c] = hn::Load(df, y + c * stride + p);
-    const bool new_line = p % (64 / sizeof(T)) == 0;
-    for (std::size_t r = 0; r < kRows; ++r) {
-      const T* at = table + r * columns + p;
-      if (new_line) prefetch_table(at, ahead);
-      const Vector u = load_as_float(at);
-      for (std::size_t c = 0; c < kChannels; ++c)
-        sum[r * kChannels + c] = hn::MulAdd(u, y_p[c], sum[r * kChannels + c]);
+  const std::size_t lanes = hn::Lanes(df);
+  constexpr std::size_t kVectors =
+      std::max<std::size_t>(64 / sizeof(T) / hn::MaxLanes(Floats()), 1);
+  for (std::size_t line = 0; line < columns; line += kVectors * lanes) {
+    for (std::size_t r = 0; r < kRows; ++r) prefetch_table(table + r * columns + line, ahead);
+    for (std::size_t v = 0; v < kVectors; ++v) {
+      const std::size_t p = line + v * lanes;
+      Vector y_p[kChannels];
+      for (std::size_t c = 0; c < kChannels; ++c) y_p[c] = hn::Load(df, y + c * stride + p);
+      for (std::size_t r = 0; r < kRows; ++r) {
+        const Vector u = load_as_float(table + r * columns + p);
+        for (std::size_t c = 0; c < kChannels; ++c)
+          sum[r * kChannels + c] = hn::MulAdd(u, y_p[c], sum[r * kChannels + c]);
+      }
     }
   }
   for (std::size_t s = 0; s < kRows * kChannels; ++s)

@@ -24,8 +24,10 @@
 #include <immintrin.h>
 
 // GCC's AVX-512 headers start from registers that they leave undefined on purpose (GCC bug 105593).
+#if !defined(__clang__)
 #pragma GCC diagnostic ignored "-Wuninitialized"
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#endif
 
 namespace relumbre {
 
