@@ -70,25 +70,27 @@ Scene load_apartment(const fs::path& data) {
   return scene;
 }
 
-/// Ceiling panels over the rooms, warm and cool.
+/// A ceiling panel in every room, two more in the living room; warm and cool by turns.
 std::vector<Light> panels(const Scene& scene) {
-  const Box box = bounds(scene.mesh.positions);
+  const float y = bounds(scene.mesh.positions).upper.y - 0.02F;
+  constexpr float kSide = 0.6F;
   std::vector<Light> lights;
-  for (int i = 0; i < 4; ++i) {
-    for (int j = 0; j < 3; ++j) {
-      Light light;
-      light.name = fmt::format("panel {} {}", i, j);
-      light.type = LightType::kQuad;
-      light.edge1 = {0.6F, 0, 0};
-      light.edge2 = {0, 0, 0.6F};
-      const Vec3f size = box.size();
-      light.position = {box.lower.x + size.x * (static_cast<float>(i) + 0.5F) / 4 - 0.3F,
-                        box.upper.y - 0.02F,
-                        box.lower.z + size.z * (static_cast<float>(j) + 0.5F) / 3 - 0.3F};
-      light.color = (i + j) % 2 == 0 ? Rgb(1, 0.86F, 0.7F) : Rgb(0.85F, 0.93F, 1);
-      light.intensity = 60;
-      lights.push_back(light);
-    }
+  for (const auto& [x, z] : {std::pair{8.6F, -6.3F},
+                             {11.2F, -6.3F},
+                             {9.8F, -4.1F},
+                             {9.0F, -10.0F},
+                             {5.6F, -8.0F},
+                             {5.7F, -4.6F},
+                             {5.5F, -10.6F}}) {
+    Light light;
+    light.name = fmt::format("panel {}", lights.size() + 1);
+    light.type = LightType::kQuad;
+    light.position = {x - kSide / 2, y, z - kSide / 2};
+    light.edge1 = {kSide, 0, 0};
+    light.edge2 = {0, 0, kSide};
+    light.color = lights.size() % 2 == 0 ? Rgb(1, 0.86F, 0.7F) : Rgb(0.85F, 0.93F, 1);
+    light.intensity = 60;
+    lights.push_back(light);
   }
   return lights;
 }
@@ -136,19 +138,20 @@ void relight_and_look(const fs::path& folder, const BakedScene& baked, Report& r
                   *relight_operator, lights, responses);
   };
   const double seconds = median_seconds(std::span(&frame, 1), 20)[0];
-  report.figure("relight with 12 lamps, ms", seconds * 1e3, "ms");
+  report.figure("relight with 7 lamps, ms", seconds * 1e3, "ms");
   report.figure("relight rate, Hz", 1 / seconds, "Hz");
 
   const DisplayMesh display = conforming_mesh(baked.tessellation);
   const LitScene view{baked.scene, baked.tessellation, display, rays, baked.reflectance, lights,
                       lit};
   const std::pair<const char*, Camera> cameras[] = {
-      {"living", {"", {6.9F, 1.6F, -1.0F}, {4.5F, 1.2F, -4.5F}, {0, 1, 0}, 65}},
-      {"kitchen", {"", {6.2F, 1.6F, -8.2F}, {9.5F, 1.1F, -5.5F}, {0, 1, 0}, 65}},
-      {"bedroom", {"", {2.2F, 1.6F, -8.5F}, {4.2F, 1.0F, -10.5F}, {0, 1, 0}, 65}}};
+      {"living", {"", {7.3F, 1.6F, -7.5F}, {10.4F, 0.9F, -4.2F}, {0, 1, 0}, 65}},
+      {"kitchen", {"", {12.1F, 1.6F, -7.3F}, {8.7F, 0.9F, -3.4F}, {0, 1, 0}, 65}},
+      {"bedroom", {"", {7.4F, 1.6F, -8.6F}, {9.9F, 0.6F, -11.0F}, {0, 1, 0}, 65}}};
   for (const auto& [name, camera] : cameras) {
     ViewConfig config;
     config.width = 960, config.height = 540, config.samples = 4;
+    config.mode = ViewMode::kDirectPerPixel;
     const Image image = render_view(view, camera, config);
     save_image(folder / fmt::format("apartment-{}.png", name), image, {.auto_exposure = true});
   }

@@ -47,7 +47,7 @@ class EditableOperator : public RelightOperator {
 struct OperatorInput {
   const SparseCounts& counts;                    ///< n × k
   std::span<const std::uint32_t> patch_offsets;  ///< k + 1, in elements
-  std::span<const float> area;  ///< n; weights of V: areas, or better seen_area()
+  std::span<const float> area;                   ///< n; weights of V: areas, or better seen_area()
   std::span<const Rgb> reflectance;              ///< n, in [0, 1)
 };
 

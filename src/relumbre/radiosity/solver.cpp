@@ -67,7 +67,9 @@ std::vector<Rgb> narrowed(const Field& field) {
 class Transport {
  public:
   Transport(const SparseCounts& counts, std::span<const Rgb> reflectance)
-      : counts_(counts), reflectance_(reflectance), scale_(counts.rays > 0 ? 1.0 / counts.rays : 0.0) {}
+      : counts_(counts),
+        reflectance_(reflectance),
+        scale_(counts.rays > 0 ? 1.0 / counts.rays : 0.0) {}
 
   /// (R F x)_i
   [[nodiscard]] Vec3d row(std::size_t i, const Field& x) const {
