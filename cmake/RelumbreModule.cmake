@@ -7,6 +7,11 @@ function(relumbre_module name)
   file(GLOB sources CONFIGURE_DEPENDS ${name}/*.cpp)
   file(GLOB tests CONFIGURE_DEPENDS ${name}/*_test.cpp)
   list(REMOVE_ITEM sources ${tests})
+  if(RELUMBRE_STD_THREADS) # parallel_std.cpp implements parallel.h instead of parallel.cpp
+    list(FILTER sources EXCLUDE REGEX "/parallel\\.cpp$")
+  else()
+    list(FILTER sources EXCLUDE REGEX "/parallel_std\\.cpp$")
+  endif()
   list(TRANSFORM ARG_DEPENDS PREPEND relumbre_)
 
   add_library(relumbre_${name} STATIC ${sources})
