@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <vector>
 
 #include <fmt/format.h>
 
@@ -13,93 +12,95 @@ namespace relumbre {
 
 namespace {
 
-void check(const SparseCounts& counts, std::span<const float> area,
-           std::span<const std::uint32_t> patch_offsets) {
-  const bool same = counts.rows() == area.size() && !patch_offsets.empty() &&
-                    counts.columns == patch_offsets.size() - 1 &&
-                    patch_offsets.back() == counts.rows();
-  if (!same) {
-    throw ShapeError(fmt::format("energy report: {} × {} counts, {} areas, {} patch offsets",
-                                 counts.rows(), counts.columns, area.size(), patch_offsets.size()));
+/// A row that sums to less has lost rays.
+constexpr double kClosed = 0.999;
+
+void add_tally(const RayTally& tally, EnergyReport& report) {
+  report.rays = tally.hits + tally.back_face + tally.escaped;
+  if (report.rays == 0) return;
+  const auto rays = static_cast<double>(report.rays);
+  report.back_face = static_cast<double>(tally.back_face) / rays;
+  report.escaped = static_cast<double>(tally.escaped) / rays;
+}
+
+}  // namespace
+
+EnergyAudit::EnergyAudit(std::span<const float> area, std::span<const std::uint32_t> patch_offsets)
+    : area_(area), patch_offsets_(patch_offsets) {
+  if (patch_offsets.empty() || patch_offsets.back() != area.size()) {
+    throw ShapeError(fmt::format("energy report: {} areas, {} patch offsets", area.size(),
+                                 patch_offsets.size()));
+  }
+  value_.resize(patch_offsets.size() - 1);
+  variance_.resize(value_.size());
+  exchanges_.reserve(value_.size());
+  finish_patches();
+}
+
+void EnergyAudit::add(const SparseCounts& rows) {
+  if (rows.columns != value_.size() || rows.rows() > area_.size() - next_row_) {
+    throw ShapeError(fmt::format("energy report: {} × {} counts from row {} on, of {} × {}",
+                                 rows.rows(), rows.columns, next_row_, area_.size(),
+                                 value_.size()));
+  }
+  for (std::size_t i = 0; i < rows.rows(); ++i) {
+    const auto area = static_cast<double>(area_[next_row_]);
+    add_row_sum(rows.row_counts(i), area, rows.rays);
+    add_exchange(rows, i, area);
+    ++next_row_;
+    finish_patches();
   }
 }
 
-void add_row_sums(const SparseCounts& counts, std::span<const float> area, EnergyReport& report) {
-  double weighted = 0, whole = 0, open = 0;
-  report.row_sum_min = counts.rows() == 0 ? 0 : 1;
-  for (std::size_t i = 0; i < counts.rows(); ++i) {
-    std::uint64_t hits = 0;
-    for (const std::uint32_t count : counts.row_counts(i)) hits += count;
-    const double sum = static_cast<double>(hits) / counts.rays;
-    report.row_sum_min = std::min(report.row_sum_min, sum);
-    report.row_sum_max = std::max(report.row_sum_max, sum);
-    open += sum < 0.999 ? 1 : 0;
-    weighted += static_cast<double>(area[i]) * sum;
-    whole += static_cast<double>(area[i]);
-  }
-  if (counts.rows() == 0) return;
-  report.row_sum_mean = weighted / whole;
-  report.open_rows = open / static_cast<double>(counts.rows());
+void EnergyAudit::add_row_sum(std::span<const std::uint32_t> counts, double area, double rays) {
+  std::uint64_t hits = 0;
+  for (const std::uint32_t count : counts) hits += count;
+  const double sum = static_cast<double>(hits) / rays;
+  row_sum_min_ = std::min(row_sum_min_, sum);
+  row_sum_max_ = std::max(row_sum_max_, sum);
+  weighted_row_sum_ += area * sum;
+  if (sum < kClosed) ++open_rows_;
 }
 
-/// A_p F_pq of the pairs of patches for which it is not 0, compressed by rows, q ascending, with
-/// the variance that independent rays would give it.
-struct PatchExchange {
-  struct Entry {
-    std::uint32_t column;
-    float variance;
-    double value;
-  };
-  std::vector<std::size_t> offsets{0};
-  std::vector<Entry> entries;
-
-  [[nodiscard]] std::span<const Entry> row(std::size_t p) const {
-    return std::span(entries).subspan(offsets[p], offsets[p + 1] - offsets[p]);
+void EnergyAudit::add_exchange(const SparseCounts& rows, std::size_t row, double area) {
+  const auto columns = rows.row_columns(row), counts = rows.row_counts(row);
+  for (std::size_t e = 0; e < columns.size(); ++e) {
+    const double f = static_cast<double>(counts[e]) / rows.rays;
+    if (value_[columns[e]] == 0) touched_.push_back(columns[e]);
+    value_[columns[e]] += area * f;
+    variance_[columns[e]] += area * area * f * (1 - f) / rows.rays;
   }
-  /// The entry (p, q), or one of value 0.
-  [[nodiscard]] Entry at(std::size_t p, std::uint32_t q) const {
-    const auto entries_of_p = row(p);
-    const auto found = std::lower_bound(
-        entries_of_p.begin(), entries_of_p.end(), q,
-        [](const Entry& entry, std::uint32_t column) { return entry.column < column; });
-    return found != entries_of_p.end() && found->column == q ? *found : Entry{q, 0, 0};
-  }
-};
+}
 
-PatchExchange exchange(const SparseCounts& counts, std::span<const float> area,
-                       std::span<const std::uint32_t> patch_offsets) {
-  PatchExchange result;
-  std::vector<double> value(counts.columns), variance(counts.columns);
-  std::vector<std::uint32_t> touched;
-  for (std::size_t p = 0; p + 1 < patch_offsets.size(); ++p) {
-    for (std::size_t i = patch_offsets[p]; i < patch_offsets[p + 1]; ++i) {
-      const auto columns = counts.row_columns(i), hits = counts.row_counts(i);
-      for (std::size_t e = 0; e < columns.size(); ++e) {
-        const double a = static_cast<double>(area[i]),
-                     f = static_cast<double>(hits[e]) / counts.rays;
-        if (value[columns[e]] == 0) touched.push_back(columns[e]);
-        value[columns[e]] += a * f;
-        variance[columns[e]] += a * a * f * (1 - f) / counts.rays;
-      }
+/// Stores the exchange of every patch whose last row has been read.
+void EnergyAudit::finish_patches() {
+  while (exchanges_.size() < value_.size() && patch_offsets_[exchanges_.size() + 1] <= next_row_) {
+    std::ranges::sort(touched_);
+    ExchangeRow row;
+    row.reserve(touched_.size());
+    for (const std::uint32_t q : touched_) {
+      row.push_back({q, static_cast<float>(variance_[q]), value_[q]});
+      value_[q] = variance_[q] = 0;
     }
-    std::sort(touched.begin(), touched.end());
-    for (const std::uint32_t q : touched) {
-      result.entries.push_back({q, static_cast<float>(variance[q]), value[q]});
-      value[q] = variance[q] = 0;
-    }
-    touched.clear();
-    result.offsets.push_back(result.entries.size());
+    touched_.clear();
+    exchanges_.push_back(std::move(row));
   }
-  return result;
 }
 
-void add_reciprocity(const PatchExchange& exchange, EnergyReport& report) {
+/// The exchange of two patches, or one of value 0.
+EnergyAudit::Exchange EnergyAudit::exchange(std::size_t patch, std::uint32_t column) const {
+  const ExchangeRow& row = exchanges_[patch];
+  const auto found = std::ranges::lower_bound(row, column, {}, &Exchange::column);
+  return found != row.end() && found->column == column ? *found : Exchange{column, 0, 0};
+}
+
+void EnergyAudit::report_reciprocity(EnergyReport& report) const {
   double whole = 0, error = 0, noise = 0;
-  for (std::size_t p = 0; p + 1 < exchange.offsets.size(); ++p) {
-    for (const auto& [q, variance, value] : exchange.row(p)) {
+  for (std::size_t p = 0; p < exchanges_.size(); ++p) {
+    for (const auto& [q, variance, value] : exchanges_[p]) {
       whole += value;
       if (q == p) continue;
-      const auto mirror = exchange.at(q, static_cast<std::uint32_t>(p));
+      const Exchange mirror = exchange(q, static_cast<std::uint32_t>(p));
       // A pair that only one side sees is met once, any other twice.
       const double times = mirror.value == 0 ? 2 : 1;
       error += times * std::abs(value - mirror.value);
@@ -114,26 +115,30 @@ void add_reciprocity(const PatchExchange& exchange, EnergyReport& report) {
   report.reciprocity_noise = noise / whole;
 }
 
-void add_tally(const RayTally& tally, EnergyReport& report) {
-  report.rays = tally.hits + tally.back_face + tally.escaped;
-  if (report.rays == 0) return;
-  const auto rays = static_cast<double>(report.rays);
-  report.back_face = static_cast<double>(tally.back_face) / rays;
-  report.escaped = static_cast<double>(tally.escaped) / rays;
+EnergyReport EnergyAudit::report(const RayTally& tally) const {
+  if (next_row_ != area_.size()) {
+    throw ShapeError(fmt::format("energy report: {} rows of {}", next_row_, area_.size()));
+  }
+  EnergyReport report;
+  report.elements = area_.size();
+  report.patches = exchanges_.size();
+  add_tally(tally, report);
+  if (area_.empty()) return report;
+  double whole = 0;
+  for (const float a : area_) whole += static_cast<double>(a);
+  report.row_sum_min = row_sum_min_;
+  report.row_sum_mean = weighted_row_sum_ / whole;
+  report.row_sum_max = row_sum_max_;
+  report.open_rows = static_cast<double>(open_rows_) / static_cast<double>(area_.size());
+  report_reciprocity(report);
+  return report;
 }
-
-}  // namespace
 
 EnergyReport energy_report(const SparseCounts& counts, std::span<const float> area,
                            std::span<const std::uint32_t> patch_offsets, const RayTally& tally) {
-  check(counts, area, patch_offsets);
-  EnergyReport report;
-  report.elements = counts.rows();
-  report.patches = counts.columns;
-  add_row_sums(counts, area, report);
-  add_reciprocity(exchange(counts, area, patch_offsets), report);
-  add_tally(tally, report);
-  return report;
+  EnergyAudit audit(area, patch_offsets);
+  audit.add(counts);
+  return audit.report(tally);
 }
 
 }  // namespace relumbre

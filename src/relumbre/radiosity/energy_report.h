@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "relumbre/radiosity/form_factors.h"
 #include "relumbre/radiosity/sparse_counts.h"
@@ -30,8 +31,45 @@ struct EnergyReport {
   double escaped = 0;    ///< fraction of the rays that left the scene
 };
 
-/// counts: n × k; area: n, m²; patch_offsets: k + 1, in elements. Throws ShapeError where the sizes
-/// disagree. O(non-zeros · log k) time, 16 bytes a pair of patches that see each other.
+/// Reads the rows of U once, in order, a block at a time, so that they need not be in memory
+/// together. Keeps 16 bytes a pair of patches of which one sees the other.
+class EnergyAudit {
+ public:
+  /// area: n, m²; patch_offsets: k + 1, in elements, of tessellate(); both outlive the audit.
+  /// Throws ShapeError where they disagree.
+  EnergyAudit(std::span<const float> area, std::span<const std::uint32_t> patch_offsets);
+
+  /// The next rows. Throws ShapeError for rows of other than k columns or beyond n. O(non-zeros).
+  void add(const SparseCounts& rows);
+  /// Throws ShapeError while rows are missing. O(pairs · log k).
+  [[nodiscard]] EnergyReport report(const RayTally& tally) const;
+
+ private:
+  /// A_p F_pq of a patch p and the patch `column`, with the variance that independent rays would
+  /// give it.
+  struct Exchange {
+    std::uint32_t column;
+    float variance;
+    double value;
+  };
+  using ExchangeRow = std::vector<Exchange>;  // ascending columns
+
+  void add_row_sum(std::span<const std::uint32_t> counts, double area, double rays);
+  void add_exchange(const SparseCounts& rows, std::size_t row, double area);
+  void finish_patches();
+  [[nodiscard]] Exchange exchange(std::size_t patch, std::uint32_t column) const;
+  void report_reciprocity(EnergyReport& report) const;
+
+  std::span<const float> area_;
+  std::span<const std::uint32_t> patch_offsets_;
+  std::size_t next_row_ = 0, open_rows_ = 0;
+  double row_sum_min_ = 1, row_sum_max_ = 0, weighted_row_sum_ = 0;
+  std::vector<double> value_, variance_;  // of the patch that is being read, by column
+  std::vector<std::uint32_t> touched_;    // its columns
+  std::vector<ExchangeRow> exchanges_;    // of the patches that have been
+};
+
+/// Of counts that are in memory as a whole.
 EnergyReport energy_report(const SparseCounts& counts, std::span<const float> area,
                            std::span<const std::uint32_t> patch_offsets, const RayTally& tally);
 

@@ -76,6 +76,41 @@ TEST(EnergyReport, ReciprocityErrorOfASoundSceneIsItsNoise) {
   EXPECT_LT(report.reciprocity_noise, 0.2);
 }
 
+/// The rows [first, last) of counts.
+SparseCounts rows_of(const SparseCounts& counts, std::size_t first, std::size_t last) {
+  SparseCounts rows;
+  rows.columns = counts.columns, rows.rays = counts.rays;
+  for (std::size_t i = first; i < last; ++i) {
+    const auto columns = counts.row_columns(i), hits = counts.row_counts(i);
+    rows.column.insert(rows.column.end(), columns.begin(), columns.end());
+    rows.count.insert(rows.count.end(), hits.begin(), hits.end());
+    rows.row_offsets.push_back(rows.column.size());
+  }
+  return rows;
+}
+
+TEST(EnergyReport, DoesNotDependOnTheBlocksItIsReadBy) {
+  const Small s;
+  const EnergyReport whole = energy_report(s.counts, s.area, s.patch_offsets, s.tally);
+  for (std::size_t cut = 0; cut <= 4; ++cut) {
+    EnergyAudit audit(s.area, s.patch_offsets);
+    audit.add(rows_of(s.counts, 0, cut));
+    audit.add(rows_of(s.counts, cut, 4));
+    const EnergyReport report = audit.report(s.tally);
+    EXPECT_EQ(report.row_sum_mean, whole.row_sum_mean);
+    EXPECT_EQ(report.reciprocity_error, whole.reciprocity_error);
+    EXPECT_EQ(report.reciprocity_noise, whole.reciprocity_noise);
+  }
+}
+
+TEST(EnergyReport, RefusesMissingRowsAndRowsTooMany) {
+  const Small s;
+  EnergyAudit audit(s.area, s.patch_offsets);
+  audit.add(rows_of(s.counts, 0, 3));
+  EXPECT_THROW((void)audit.report(s.tally), ShapeError);
+  EXPECT_THROW(audit.add(rows_of(s.counts, 0, 2)), ShapeError);
+}
+
 TEST(EnergyReport, EmptyBakeIsAllZeros) {
   const std::array<std::uint32_t, 1> no_patches = {0};
   const EnergyReport report = energy_report({}, {}, no_patches, {});

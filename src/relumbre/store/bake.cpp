@@ -67,23 +67,11 @@ CountsStream counts_in(const BakeJournal& journal, const JournalKey& key) {
           [&journal](const auto& visit) { journal.for_each_block(visit); }};
 }
 
-/// Puts the journal's blocks together: 8 bytes a non-zero.
-SparseCounts gather(const BakeJournal& journal, const JournalKey& key) {
-  SparseCounts counts;
-  counts.columns = key.columns;
-  counts.rays = key.rays;
-  counts.row_offsets.reserve(key.rows + 1);
-  counts.column.reserve(journal.nonzeros());
-  counts.count.reserve(journal.nonzeros());
-  journal.for_each_block([&counts](const SparseCounts& block) {
-    const std::uint64_t before = counts.nonzeros();
-    for (std::size_t i = 1; i <= block.rows(); ++i) {
-      counts.row_offsets.push_back(before + block.row_offsets[i]);
-    }
-    counts.column.insert(counts.column.end(), block.column.begin(), block.column.end());
-    counts.count.insert(counts.count.end(), block.count.begin(), block.count.end());
-  });
-  return counts;
+/// Reads the journal once.
+EnergyReport audit(const BakeJournal& journal, const Tessellation& tessellation) {
+  EnergyAudit audit(tessellation.area, tessellation.patch_offsets);
+  journal.for_each_block([&audit](const SparseCounts& block) { audit.add(block); });
+  return audit.report(journal.tally());
 }
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
@@ -138,8 +126,7 @@ BakeResult bake(const Scene& scene, const BakeConfig& config, const fs::path& st
   // Does energy balance? Then the store, and the journal has done its work.
   result.settings = {config.scene_name,       config.method, tessellation.patches(),
                      tessellation.elements(), config.rays,   config.seed};
-  result.energy = energy_report(gather(journal, key), tessellation.area, tessellation.patch_offsets,
-                                journal.tally());
+  result.energy = audit(journal, tessellation);
   result.nonzeros = journal.nonzeros();
   write_store(store,
               {scene, tessellation, materials.reflectance, materials.emission, result.settings,

@@ -43,8 +43,7 @@ std::vector<std::uint32_t> emissive_labels(const Scene& scene);
 /// Computes form factors of `scene` and writes the store. Finished rows go to the journal
 /// "<store>.partial"; after a cancellation, a kill or a full disk they are kept, and a bake with
 /// `resume` ends with the same store, bit by bit. The journal is deleted once the store is there.
-/// Memory: see estimate_bake(). The counts are on disk while rays are traced and while the store is
-/// written, and in memory once for the energy report.
+/// Memory: see estimate_bake(). The counts are on disk, and pass through memory a block at a time.
 /// Throws ValueError (patches and elements that cannot be reached), FileError (the store cannot be
 /// written; the journal is of another scene or other settings, is damaged, or is in use),
 /// Cancelled.
@@ -53,17 +52,17 @@ BakeResult bake(const Scene& scene, const BakeConfig& config, const std::filesys
 
 /// What a bake will need, known beforehand. Bytes in memory; the stages follow each other.
 struct BakeEstimate {
+  std::uint64_t program_bytes = 0;       ///< code, libraries and their buffers, however small
   std::uint64_t scene_bytes = 0;         ///< the scene, throughout
   std::uint64_t tessellation_bytes = 0;  ///< the elements, from the second stage on
   std::uint64_t tessellate_bytes = 0;    ///< stage 1: cutting and clustering, elements included
   std::uint64_t trace_bytes = 0;         ///< stage 2: acceleration structure, rows on their way
-  std::uint64_t report_bytes = 0;        ///< stage 3: the counts, and the exchange between patches
-  std::uint64_t counts_bytes = 0;        ///< at most: the counts as relighting holds them
+  std::uint64_t report_bytes = 0;        ///< stage 3: the exchange between patches
+  std::uint64_t counts_bytes = 0;        ///< at most: the counts as relighting reads them
   std::uint64_t disk_bytes = 0;          ///< at most: journal and store together
-  /// An upper estimate of what is in use at any time. Few scenes need half of it: counts_bytes
-  /// supposes that no two rays of an element arrive at the same patch.
+  /// An upper estimate of what is in use at any time.
   [[nodiscard]] std::uint64_t peak_bytes() const {
-    return scene_bytes +
+    return program_bytes + scene_bytes +
            std::max(tessellate_bytes, tessellation_bytes + std::max(trace_bytes, report_bytes));
   }
 };

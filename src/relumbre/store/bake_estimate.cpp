@@ -10,13 +10,14 @@ namespace {
 // Measured on rooms, an apartment and teapots of 36 to 520,000 triangles, rounded up.
 constexpr std::uint64_t kCutBytesPerFacet = 200;        // 150 to 200 while clustering
 constexpr std::uint64_t kTracerBytesPerTriangle = 160;  // Embree's high-quality build: 110 to 150
-constexpr std::uint64_t kFixedBytes = 4 << 20;          // buffers of any bake, however small
+constexpr std::uint64_t kProgramBytes = 48 << 20;       // of a small bake's peak: 30 to 45 MB
+constexpr std::uint64_t kFixedDiskBytes = 4 << 20;
 
 // What trace_form_factors() promises: tasks of 4 rows, at most 64 a thread, two waves of them.
 constexpr std::uint64_t kRowsInFlightPerThread = 2 * 64 * 4;
 
-constexpr std::uint64_t kBytesPerCount = 8;          // SparseCounts
-constexpr std::uint64_t kBytesPerExchange = 3 * 16;  // a pair of patches, in a vector that grows
+constexpr std::uint64_t kBytesPerCount = 8;      // SparseCounts
+constexpr std::uint64_t kBytesPerExchange = 16;  // a pair of patches, in EnergyAudit
 
 template <class T>
 std::uint64_t bytes_of(const std::vector<T>& values) {
@@ -65,16 +66,17 @@ BakeEstimate estimate_bake(const Scene& scene, const BakeConfig& config) {
       std::min<std::uint64_t>(nonzeros, std::uint64_t{config.patches} * config.patches);
 
   BakeEstimate estimate;
+  estimate.program_bytes = kProgramBytes;
   estimate.scene_bytes = scene_bytes(scene);
   estimate.tessellation_bytes = tessellation_bytes(facets, triangles, config.elements);
-  estimate.tessellate_bytes = kFixedBytes + facets * kCutBytesPerFacet;
+  estimate.tessellate_bytes = facets * kCutBytesPerFacet;
   estimate.trace_bytes =
-      kFixedBytes + triangles * kTracerBytesPerTriangle + facets * sizeof(std::uint32_t) +
+      triangles * kTracerBytesPerTriangle + facets * sizeof(std::uint32_t) +
       std::min<std::uint64_t>(rows_in_flight, config.elements) * row * kBytesPerCount +
       thread_count() * config.patches * sizeof(std::uint32_t);
   estimate.counts_bytes = nonzeros * kBytesPerCount + config.elements * sizeof(std::uint64_t);
-  estimate.report_bytes = kFixedBytes + estimate.counts_bytes + pairs * kBytesPerExchange;
-  estimate.disk_bytes = kFixedBytes + estimate.scene_bytes + estimate.tessellation_bytes +
+  estimate.report_bytes = pairs * kBytesPerExchange + config.row_block * row * kBytesPerCount;
+  estimate.disk_bytes = kFixedDiskBytes + estimate.scene_bytes + estimate.tessellation_bytes +
                         counts_on_disk(config, nonzeros);
   return estimate;
 }

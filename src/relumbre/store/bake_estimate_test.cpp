@@ -41,14 +41,15 @@ TEST(BakeEstimate, BoundsWhatABakeMakes) {
 
 TEST(BakeEstimate, PeakIsThatOfTheLargestStage) {
   BakeEstimate estimate;
+  estimate.program_bytes = 1000;
   estimate.scene_bytes = 1;
   estimate.tessellation_bytes = 10;
   estimate.tessellate_bytes = 100;
-  EXPECT_EQ(estimate.peak_bytes(), 101U);
+  EXPECT_EQ(estimate.peak_bytes(), 1101U);
   estimate.trace_bytes = 95;
-  EXPECT_EQ(estimate.peak_bytes(), 106U);
+  EXPECT_EQ(estimate.peak_bytes(), 1106U);
   estimate.report_bytes = 200;
-  EXPECT_EQ(estimate.peak_bytes(), 211U);
+  EXPECT_EQ(estimate.peak_bytes(), 1211U);
 }
 
 }  // namespace
