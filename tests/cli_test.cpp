@@ -35,6 +35,12 @@ class Cli : public testing::Test {
     const int raw = std::system(line.c_str());
     return {WIFEXITED(raw) ? WEXITSTATUS(raw) : -1, read("out.txt"), read("err.txt")};
   }
+  /// The same where no file can grow beyond `bytes`: a disk that is full. (The signal that would
+  /// come with it is one that a full disk does not send.)
+  Outcome run_on_full_disk(std::size_t bytes, const std::string& arguments) const {
+    return shell("trap '' XFSZ; ulimit -f " + std::to_string(bytes / 512) + "; " +
+                 RELUMBRE_PROGRAM + " " + arguments);
+  }
   fs::path folder() const { return folder_.path(); }
   std::string read(const std::string& name) const { return read_file(folder() / name); }
   void write(const std::string& name, const std::string& text) const {
@@ -58,7 +64,10 @@ class Cli : public testing::Test {
   /// Bad input: status 1, one line on standard error that names `file` and holds `reason`.
   void expect_refused(const std::string& arguments, const std::string& file,
                       const std::string& reason) const {
-    const Outcome outcome = run(arguments);
+    expect_refusal(run(arguments), arguments, file, reason);
+  }
+  static void expect_refusal(const Outcome& outcome, const std::string& arguments,
+                             const std::string& file, const std::string& reason) {
     EXPECT_EQ(outcome.status, 1) << arguments << "\n" << outcome.err;
     EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
     EXPECT_NE(outcome.err.find(file), std::string::npos) << outcome.err;
@@ -246,6 +255,81 @@ TEST_F(Cli, UnwritableFolderIsRefusedBeforeTheWork) {
   ASSERT_EQ(run("scene cornell -o c.glb").status, 0);
   expect_refused("scene cornell -o /proc/nowhere/c.glb", "/proc/nowhere/c.glb", "");
   expect_refused("bake c.glb -o /proc/c.h5", "/proc/c.h5", "");
+}
+
+class FullDisk : public Cli {
+ protected:
+  const std::string bake_ = "bake r.glb --patches 200 --elements 3000 --rays 256 -o ";
+
+  void SetUp() override {
+    ASSERT_EQ(run("scene room -o r.glb").status, 0);
+    ASSERT_EQ(run(bake_ + "whole.h5").status, 0);
+  }
+  /// A bake that ends for want of room keeps its journal, names `file`, and can be gone on with.
+  void expect_resumable(std::size_t bytes, const std::string& file) const {
+    expect_refusal(run_on_full_disk(bytes, bake_ + "cut.h5"), bake_, file, "File too large");
+    EXPECT_FALSE(exists("cut.h5"));
+    EXPECT_TRUE(exists("cut.h5.partial"));
+    EXPECT_EQ(files(), 3U);  // r.glb and whole.h5 beside it
+    const Outcome resumed = run(bake_ + "cut.h5 --resume --json -");
+    ASSERT_EQ(resumed.status, 0) << resumed.err;
+    EXPECT_GT(nlohmann::json::parse(resumed.out)["bake"]["resumed_rows"], 0);
+    EXPECT_FALSE(exists("cut.h5.partial"));
+    EXPECT_TRUE(read("cut.h5") == read("whole.h5"));
+  }
+};
+
+TEST_F(FullDisk, WhileTracingKeepsFinishedRowsForAnIdenticalStore) {
+  expect_resumable(200 * 1024, "cut.h5.partial: ");
+}
+
+TEST_F(FullDisk, WhileWritingTheStoreKeepsTheRowsForAnIdenticalStore) {
+  expect_resumable(fs::file_size(folder() / "whole.h5") - 1024, "cut.h5: ");
+}
+
+TEST_F(Cli, FullDiskKeepsTheFormerFile) {
+  bake_cornell();
+  ASSERT_EQ(run("relight c.h5 -o B.npy").status, 0);  // fills the cache
+  const std::string before = "what was here";
+  for (const std::string command :
+       {"relight c.h5 -o out.npy", "relight c.h5 -o out.ply", "relight c.h5 -o out.glb",
+        "solve c.h5 -o out.npy", "render c.h5 --size 64x48 --samples 1 -o out.exr",
+        "render c.h5 --size 64x48 --samples 1 -o out.png", "scene cornell -o out.glb"}) {
+    const std::string output = command.substr(command.rfind(' ') + 1);
+    write(output, before);
+    const std::size_t count = files();
+    expect_refusal(run_on_full_disk(2048, command), command, output, "");
+    EXPECT_EQ(read(output), before) << command;
+    EXPECT_EQ(files(), count) << command;
+  }
+}
+
+TEST_F(Cli, CacheOfLightsThatCannotBeWrittenIsDoneWithout) {
+  bake_cornell();
+  const std::string render = "render c.h5 --size 16x12 --samples 1 -o v.png";
+  const Outcome full = run_on_full_disk(2048, render);
+  EXPECT_EQ(full.status, 0) << full.err;
+  EXPECT_TRUE(fs::is_empty(folder() / "c.h5.lights"));
+  const std::string picture = read("v.png");
+  fs::remove(folder() / "c.h5.lights");
+  write("c.h5.lights", "a file in the folder's place");
+  const Outcome blocked = run(render);
+  EXPECT_EQ(blocked.status, 0) << blocked.err;
+  EXPECT_EQ(read("v.png"), picture);
+}
+
+TEST_F(Cli, OutputsInUnwritableFoldersAreRefused) {
+  bake_cornell();
+  for (const std::string folder : {"/proc/", "no-such-folder/"}) {
+    for (const std::string command :
+         {"relight c.h5 -o B.npy", "relight c.h5 -o b.ply", "relight c.h5 -o b.glb",
+          "solve c.h5 -o S.npy", "render c.h5 --size 16x12 --samples 1 -o v.exr",
+          "render c.h5 --size 16x12 --samples 1 -o v.png"}) {
+      const std::size_t at = command.rfind(' ') + 1;
+      const std::string output = folder + command.substr(at);
+      expect_refused(command.substr(0, at) + output, output, "");
+    }
+  }
 }
 
 }  // namespace

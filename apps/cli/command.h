@@ -60,5 +60,6 @@ void add_relight_command(CLI::App& app);
 void add_solve_command(CLI::App& app);
 void add_render_command(CLI::App& app);
 void add_compare_command(CLI::App& app);
+void add_dof_command(CLI::App& app);
 
 }  // namespace relumbre::cli

@@ -19,6 +19,7 @@ void add_commands(CLI::App& app) {
   cli::add_relight_command(app);
   cli::add_solve_command(app);
   cli::add_render_command(app);
+  cli::add_dof_command(app);
   cli::add_compare_command(app);
 }
 

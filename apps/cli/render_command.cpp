@@ -1,10 +1,11 @@
 #include <cmath>
 
 #include "cli/exposure.h"
+#include "cli/lens_options.h"
 #include "cli/opened_store.h"
 #include "relumbre/base/error.h"
 #include "relumbre/image/image_io.h"
-#include "relumbre/render/view.h"
+#include "relumbre/render/lens_view.h"
 
 namespace relumbre::cli {
 
@@ -18,6 +19,9 @@ struct Options {
   std::string radiosity;
   float crease_deg = 30;
   ViewConfig view;
+  bool through_lens = false;
+  std::uint32_t lens_samples = 256;
+  LensOptions lens;
 };
 
 void parse_size(const std::string& text, ViewConfig& view) {
@@ -80,13 +84,42 @@ RelitResult light_up(const Options& options, const OpenedStore& store, Session& 
   return store.relight(session);
 }
 
-void run(Options options, Session& session) {
-  parse_size(options.size, options.view);
-  const ToneConfig tone = parse_tone(options);
+/// Bad combinations are found before long work.
+void check(const Options& options) {
   for (const std::string& output : options.outputs) {
     if (!can_save_image(output))
       throw FileError(output, "cannot be written: render writes .exr and .png");
   }
+  if (!options.through_lens) return;
+  if (options.view.layers > 1) {
+    throw CLI::ValidationError("--layers", "a second layer is of the view without --lens");
+  }
+  options.lens.aperture.check();
+  if (!options.lens.needs_depth()) (void)options.lens.focused({}, 0, 0);
+}
+
+Image render_through_lens(const Options& options, const LitScene& lit_scene, const Camera& camera,
+                          Session& session) {
+  LensViewConfig config{options.view, {}, options.lens.aperture};
+  config.view.samples = options.lens_samples;
+  std::vector<float> depth;
+  if (options.lens.needs_depth()) {
+    depth = pinhole_depth(lit_scene.scene, lit_scene.rays, camera, options.view.width,
+                          options.view.height);
+  }
+  config.lens = options.lens.focused(depth, options.view.width, options.view.height);
+  const double infinite = config.lens.coc_at_infinity_pixels(options.view.width);
+  session.report.figure("focus_distance_m", "in focus", config.lens.focus_distance_m,
+                        fmt::format("{:.4g} m", config.lens.focus_distance_m));
+  session.report.figure("coc_at_infinity_pixels", "blur at infinity", infinite,
+                        fmt::format("{:.1f} pixels", infinite));
+  return render_lens_view(lit_scene, camera, config, session.progress);
+}
+
+void run(Options options, Session& session) {
+  parse_size(options.size, options.view);
+  const ToneConfig tone = parse_tone(options);
+  check(options);
   const OpenedStore store(options.store, session);
   const Camera camera = choose_camera(options.camera, store.baked.scene);
   const RelitResult lit = light_up(options, store, session);
@@ -96,9 +129,16 @@ void run(Options options, Session& session) {
 
   const Stopwatch watch;
   const DisplayMesh display = conforming_mesh(store.baked.tessellation, options.crease_deg);
-  const Image image = render_view({store.baked.scene, store.baked.tessellation, display, store.rays,
-                                   store.baked.reflectance, store.lights, lit},
-                                  camera, options.view, session.progress);
+  const LitScene lit_scene{store.baked.scene,
+                           store.baked.tessellation,
+                           display,
+                           store.rays,
+                           store.baked.reflectance,
+                           store.lights,
+                           lit};
+  const Image image = options.through_lens
+                          ? render_through_lens(options, lit_scene, camera, session)
+                          : render_view(lit_scene, camera, options.view, session.progress);
   session.progress.clear();
   session.report.figure("render_s", "rendered in", watch.seconds(), seconds_text(watch.seconds()));
   session.report.figure("exposure_scale", "exposure", exposure_scale(image, tone),
@@ -109,6 +149,51 @@ void run(Options options, Session& session) {
   }
 }
 
+void define(CLI::App& command, Options& o) {
+  add_store_options(command, o.store);
+  command.add_option("-o,--output", o.outputs, "Picture to write: .png or .exr (repeatable)")
+      ->required();
+  command.add_option("--camera", o.camera, "auto, a camera of the scene by name, or cam.json")
+      ->capture_default_str();
+  command.add_option("--size", o.size, "WIDTHxHEIGHT in pixels")->capture_default_str();
+  command
+      .add_option("--mode", o.mode,
+                  "per-pixel: direct light by shadow rays at each pixel; gouraud: interpolated")
+      ->check(CLI::IsMember({"per-pixel", "gouraud"}))
+      ->capture_default_str();
+  command.add_option("--samples", o.view.samples, "Rays per pixel")->capture_default_str();
+  command
+      .add_option("--shadow-samples", o.view.light_samples,
+                  "Shadow rays per pixel and light with a surface")
+      ->capture_default_str();
+  command
+      .add_option("--smoothing", o.view.smoothing_passes,
+                  "Passes over coplanar elements against noise")
+      ->capture_default_str();
+  command.add_option("--crease", o.crease_deg, "Edges sharper than this stay sharp, degrees")
+      ->capture_default_str();
+  command.add_option("--exposure", o.exposure, "Of .png: auto, or stops")->capture_default_str();
+  command.add_option("--curve", o.curve, "Of .png: filmic or srgb")
+      ->check(CLI::IsMember({"filmic", "srgb"}))
+      ->capture_default_str();
+  command.add_option("--radiosity", o.radiosity,
+                     "Show this B.npy, for example of `relumbre solve`");
+  command
+      .add_option("--layers", o.view.layers,
+                  "2: also what lies behind the first surface, as layer1.* of the .exr")
+      ->check(CLI::Range(1, 2))
+      ->capture_default_str();
+  command
+      .add_option("--layer-separation", o.view.layer_separation,
+                  "How much deeper that must lie, as a fraction of the first depth")
+      ->capture_default_str();
+  command.add_flag("--lens", o.through_lens, "Through a lens: depth of field")->group("Lens");
+  command.add_option("--lens-samples", o.lens_samples, "Rays per pixel with --lens")
+      ->capture_default_str()
+      ->group("Lens");
+  add_lens_options(command, o.lens);
+}
+
 }  // namespace
 
 void add_render_command(CLI::App& app) {
@@ -116,40 +201,7 @@ void add_render_command(CLI::App& app) {
       app, "render", "A picture of a store under given lights",
       "relumbre render room.h5 --lights evening.json --camera main --size 1280x720 -o evening.png "
       "-o evening.exr",
-      [](CLI::App& command, Options& o) {
-        add_store_options(command, o.store);
-        command.add_option("-o,--output", o.outputs, "Picture to write: .png or .exr (repeatable)")
-            ->required();
-        command
-            .add_option("--camera", o.camera, "auto, a camera of the scene by name, or cam.json")
-            ->capture_default_str();
-        command.add_option("--size", o.size, "WIDTHxHEIGHT in pixels")->capture_default_str();
-        command
-            .add_option(
-                "--mode", o.mode,
-                "per-pixel: direct light by shadow rays at each pixel; gouraud: interpolated")
-            ->check(CLI::IsMember({"per-pixel", "gouraud"}))
-            ->capture_default_str();
-        command.add_option("--samples", o.view.samples, "Rays per pixel")->capture_default_str();
-        command
-            .add_option("--shadow-samples", o.view.light_samples,
-                        "Shadow rays per pixel and light with a surface")
-            ->capture_default_str();
-        command
-            .add_option("--smoothing", o.view.smoothing_passes,
-                        "Passes over coplanar elements against noise")
-            ->capture_default_str();
-        command.add_option("--crease", o.crease_deg, "Edges sharper than this stay sharp, degrees")
-            ->capture_default_str();
-        command.add_option("--exposure", o.exposure, "Of .png: auto, or stops")
-            ->capture_default_str();
-        command.add_option("--curve", o.curve, "Of .png: filmic or srgb")
-            ->check(CLI::IsMember({"filmic", "srgb"}))
-            ->capture_default_str();
-        command.add_option("--radiosity", o.radiosity,
-                           "Show this B.npy, for example of `relumbre solve`");
-      },
-      run);
+      define, run);
 }
 
 }  // namespace relumbre::cli

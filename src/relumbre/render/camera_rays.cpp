@@ -30,19 +30,26 @@ CameraRays::CameraRays(const Camera& camera, std::size_t width, std::size_t heig
   check(camera, width, height);
   eye_ = camera.eye;
   forward_ = normalized(camera.target - camera.eye);
-  Vec3f right = cross(forward_, normalized(camera.up));
-  right = length(right) > 1e-5F ? normalized(right) : Frame(forward_).t;
-  const Vec3f up = cross(right, forward_);
+  const Vec3f right = cross(forward_, normalized(camera.up));
+  right_ = length(right) > 1e-5F ? normalized(right) : Frame(forward_).t;
+  up_ = cross(right_, forward_);
 
   const float half_height = std::tan(camera.vfov_deg * std::numbers::pi_v<float> / 360);
   const float pixel = 2 * half_height / static_cast<float>(height);
-  step_x_ = right * pixel;
-  step_y_ = up * -pixel;
-  corner_ = forward_ + up * half_height - step_x_ * (static_cast<float>(width) / 2);
+  pixels_per_tangent_ = 1 / static_cast<double>(pixel);
+  step_x_ = right_ * pixel;
+  step_y_ = up_ * -pixel;
+  corner_ = forward_ + up_ * half_height - step_x_ * (static_cast<float>(width) / 2);
 }
 
 Ray CameraRays::through(float x, float y) const {
   return {.origin = eye_, .direction = corner_ + step_x_ * x + step_y_ * y};
+}
+
+Ray CameraRays::through_lens(float x, float y, const Vec2f& lens, float focus_distance) const {
+  const Vec3f offset = right_ * lens.x + up_ * lens.y;
+  const Ray pinhole = through(x, y);
+  return {.origin = eye_ + offset, .direction = pinhole.direction - offset / focus_distance};
 }
 
 }  // namespace relumbre

@@ -1,5 +1,6 @@
 #include "relumbre/render/primary_hits.h"
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -18,6 +19,41 @@ Ray behind(Ray ray, const Hit& hit, float epsilon) {
   ray.t_min = std::nextafter(hit.t + epsilon / length(ray.direction), INFINITY);
   return ray;
 }
+
+Ray lane(const RayPacket& packet, std::size_t i) {
+  return {{packet.origin[0][i], packet.origin[1][i], packet.origin[2][i]},
+          packet.t_min[i],
+          {packet.direction[0][i], packet.direction[1][i], packet.direction[2][i]},
+          packet.t_max[i]};
+}
+
+void set_lane(HitPacket& hits, std::size_t i, const Hit& hit) {
+  hits.triangle[i] = hit.triangle;
+  hits.back[i] = hit.back ? 1 : 0;
+  hits.t[i] = hit.t, hits.u[i] = hit.u, hits.v[i] = hit.v;
+}
+
+/// A ray on its way through the surfaces behind its first hit.
+struct Passage {
+  std::size_t index;
+  Ray ray;
+  float depth;        ///< from where on a hit counts
+  int inside = 0;     ///< solids entered and not left
+  Hit first_front{};  ///< the closest one that counts, inside a solid or not
+
+  /// Takes note of a hit; true if it is what lies behind.
+  bool meets(const Hit& hit, bool one_sided) {
+    if (one_sided && hit.back) {
+      inside = std::max(0, inside - 1);
+      return false;
+    }
+    const bool counts = hit.t > depth;
+    if (counts && inside == 0) return true;
+    if (counts && !first_front) first_front = hit;
+    inside += one_sided ? 1 : 0;
+    return false;
+  }
+};
 
 template <class T>
 T interpolate(const std::vector<T>& values, const Index3& corners, float u, float v) {
@@ -44,6 +80,54 @@ void trace_primary(const Scene& scene, const RayScene& rays, std::span<const Ray
     left = std::move(still_left);
   }
   for (const std::size_t i : left) hits[i] = {};
+}
+
+void trace_primary(const Scene& scene, const RayScene& rays, const RayPacket& primary,
+                   HitPacket& hits, std::size_t active) {
+  rays.closest(primary, hits, active);
+  for (std::size_t i = 0; i < active; ++i) {
+    if (hits.triangle[i] == kNone || hits.back[i] == 0) continue;
+    if (scene.mesh.two_sided[hits.triangle[i]] != 0) continue;
+    const Ray ray = lane(primary, i);
+    Hit hit;
+    trace_primary(scene, rays, {&ray, 1}, {&hit, 1});
+    set_lane(hits, i, hit);
+  }
+}
+
+void trace_behind(const Scene& scene, const RayScene& rays, std::span<const Ray> primary,
+                  std::span<const Hit> hits, float separation, std::span<Hit> behind_hits) {
+  std::vector<Passage> passages;
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    behind_hits[i] = {};
+    if (!hits[i]) continue;
+    const bool one_sided = scene.mesh.two_sided[hits[i].triangle] == 0;
+    passages.push_back({i, behind(primary[i], hits[i], rays.epsilon()),
+                        hits[i].t * (1 + separation), one_sided ? 1 : 0});
+  }
+  std::vector<Ray> batch;
+  std::vector<Hit> met;
+  for (int pass = 0; pass < kMaxBacks && !passages.empty(); ++pass) {
+    batch.clear();
+    for (const Passage& p : passages) batch.push_back(p.ray);
+    met.assign(batch.size(), {});
+    rays.closest(batch, met);
+    std::size_t left = 0;
+    for (std::size_t i = 0; i < met.size(); ++i) {
+      Passage p = passages[i];
+      if (!met[i]) {
+        if (p.inside > 0) behind_hits[p.index] = p.first_front;
+        continue;
+      }
+      if (p.meets(met[i], scene.mesh.two_sided[met[i].triangle] == 0)) {
+        behind_hits[p.index] = met[i];
+        continue;
+      }
+      p.ray = behind(p.ray, met[i], rays.epsilon());
+      passages[left++] = p;
+    }
+    passages.resize(left);
+  }
 }
 
 Surface surface_at(const Scene& scene, const Hit& hit) {

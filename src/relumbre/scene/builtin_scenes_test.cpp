@@ -1,6 +1,7 @@
 #include "relumbre/scene/builtin_scenes.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <set>
@@ -8,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "relumbre/base/box.h"
 #include "relumbre/base/error.h"
 #include "relumbre/scene/builtin_room.h"
 #include "relumbre/scene/mesh_checks.h"
@@ -232,14 +234,38 @@ TEST(Room, LampsHaveComparablePower) {
   }
 }
 
-TEST(Teapots, AreFiveAndTheSecondIsWhereTheCameraLooks) {
+TEST(Teapots, StandWhereThePaperPutsThem) {
   const Scene scene = make_teapots_scene();
-  for (int i = 1; i <= 5; ++i)
-    EXPECT_GT(triangles_of(scene, "teapot " + std::to_string(i)).size(), 6000U);
-  int seen_in_focus = 0;
-  for (int x = -10; x <= 10; ++x)
-    for (int y = -4; y <= 4; ++y) seen_in_focus += seen(scene, x * 0.1, y * 0.1) == "teapot 2";
-  EXPECT_GT(seen_in_focus, 10);
+  const std::array<Vec3d, 5> positions{
+      {{-1.1, -0.5, -4.5}, {-0.5, -0.5, -5}, {0.2, -0.5, -5.5}, {1, -0.5, -6}, {1.8, -0.5, -6.5}}};
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    const auto triangles = triangles_of(scene, "teapot " + std::to_string(i + 1));
+    EXPECT_GT(triangles.size(), 6000U);
+    Box box;
+    for (const std::size_t t : triangles)
+      for (const std::uint32_t corner : scene.mesh.triangles[t])
+        box.extend(scene.mesh.positions[corner]);
+    // A body of radius 0.5 about the position, and 0.375 below it the foot.
+    EXPECT_NEAR((box.lower.z + box.upper.z) / 2, positions[i].z, 1e-3);
+    EXPECT_NEAR(box.upper.z - box.lower.z, 1, 0.01);
+    EXPECT_NEAR(box.lower.y, positions[i].y - 0.375, 1e-3);
+    EXPECT_NEAR(box.lower.x, positions[i].x - 0.75, 0.01);
+  }
+}
+
+TEST(Teapots, ThePapersCameraSeesAllFiveWithinItsRange) {
+  const Scene scene = make_teapots_scene();
+  ASSERT_EQ(scene.cameras.size(), 1U);
+  const Camera& camera = scene.cameras.front();
+  EXPECT_EQ(camera.vfov_deg, 45);
+  EXPECT_EQ(camera.eye, (Vec3f{0, 0, 0}));
+  EXPECT_EQ(normalized(camera.target - camera.eye), (Vec3f{0, 0, -1}));
+  std::set<std::string> names;
+  for (double x = -1.7; x <= 1.7; x += 0.05)
+    for (double y = -1; y <= 1; y += 0.05) names.insert(seen(scene, x, y));
+  for (int i = 1; i <= 5; ++i) EXPECT_TRUE(names.contains("teapot " + std::to_string(i))) << i;
+  EXPECT_FALSE(names.contains("nothing"));
+  for (const Vec3f& p : scene.mesh.positions) EXPECT_GT(p.z, -15);
 }
 
 }  // namespace

@@ -1,0 +1,59 @@
+/// The blur of one point as rows of pixels.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "relumbre/image/thin_lens.h"
+
+namespace relumbre {
+
+/// The outline of every blur.
+enum class BlurShape {
+  kBox,       ///< a square of the disc's area: two scans, in time independent of its size
+  kAperture,  ///< the lens's own: a disc, or a polygon of so many blades
+};
+
+/// How a pixel's light is shared out among those around it: by the area that the blur, an outline
+/// of diameter c around the pixel's centre, covers of each row; within a row from left to right
+/// without a gap. A blur that stays inside its pixel leaves the picture untouched.
+///
+///      top ─►   ┌──┐            rows[j]: [left, right) from the centre, in pixels, the outline's
+///             ┌─┘  └─┐                   mean width in row top + j, and the fraction `height` of
+///             └─┐  ┌─┘                   the row that it reaches into
+///               └──┘            Σ_j height · (right − left) = area = 1 / share
+struct ApertureKernel {
+  /// A span of a row as four steps of the running sum over x: `+(1 − f)` and `+f` at two
+  /// neighbouring pixels where it begins, and the same with − where it ends.
+  struct Span {
+    int begin = 0, end = 0;                      ///< pixels from the centre
+    float begin_fraction = 0, end_fraction = 0;  ///< f
+    float height = 1;
+  };
+  int top = 0;
+  int reach = 0;     ///< columns to either side that are touched
+  double share = 1;  ///< of the light, of a fully covered pixel
+  std::vector<Span> rows;
+  Span side;  ///< of a box: its extent along x, and along y
+
+  [[nodiscard]] int bottom() const { return top + static_cast<int>(rows.size()); }
+};
+
+/// Kernels of all diameters up to a largest: in steps of an eighth of a pixel up to 32 pixels, of
+/// 1.6% beyond.
+class ApertureKernels {
+ public:
+  /// Kernels of both signs. Throws ValueError for a largest diameter that is not finite or above
+  /// kLargest.
+  ApertureKernels(BlurShape shape, const Aperture& aperture, double largest_diameter);
+
+  /// Behind the plane in focus (`signed_diameter` > 0), or before it: turned by half a turn.
+  [[nodiscard]] const ApertureKernel& of(double signed_diameter) const;
+
+  static constexpr double kLargest = 2048;
+
+ private:
+  std::vector<ApertureKernel> behind_, before_;  // by step
+};
+
+}  // namespace relumbre

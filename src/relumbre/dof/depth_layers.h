@@ -1,0 +1,34 @@
+/// Fragments sorted into layers by how far they are out of focus.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "relumbre/dof/fragments.h"
+
+namespace relumbre {
+
+/// Fragments front to back: layer by layer, in a layer row by row. Layers are equal steps of the
+/// circle of confusion, which grows with depth, so that what is in one layer has about one blur.
+struct DepthLayers {
+  std::size_t height = 0, layers = 0;
+  std::vector<Fragment> fragments;
+  std::vector<std::uint32_t> offsets;  ///< of row y of layer l: offsets[l · height + y]
+  std::vector<float> reach;            ///< the largest |coc| of a layer's fragments
+
+  /// Of rows [y0, y1) of a layer.
+  [[nodiscard]] std::span<const Fragment> rows(std::size_t layer, std::size_t y0,
+                                               std::size_t y1) const {
+    const std::size_t at = layer * height;
+    return std::span(fragments).subspan(offsets[at + y0], offsets[at + y1] - offsets[at + y0]);
+  }
+};
+
+/// A stable sort in O(fragments + layers · height). `fragments` is not empty and has fewer than
+/// 2^32.
+DepthLayers sort_into_layers(std::span<const Fragment> fragments, std::size_t height,
+                             std::size_t layers);
+
+}  // namespace relumbre

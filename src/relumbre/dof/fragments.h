@@ -1,0 +1,28 @@
+/// What a picture with depth is made of: pieces of surfaces, each with one blur.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "relumbre/dof/depth_picture.h"
+
+namespace relumbre {
+
+/// A pixel's worth of a surface, or a share of it.
+struct Fragment {
+  std::uint32_t x = 0, y = 0;
+  float coc = 0;       ///< signed diameter of its circle of confusion, pixels
+  float coverage = 1;  ///< of the pixel
+  Rgba color;          ///< multiplied by the coverage
+};
+
+/// One fragment for every pixel of the front, row by row, with these exceptions:
+/// - A pixel on a silhouette is a mixture of what lies on either side, of which its depth tells
+///   only one. It becomes two fragments, one of either surface, whose colours add up to its own.
+/// - What lies behind is one more fragment where a silhouette reveals it.
+/// `front` and `behind` (perhaps empty) are signed circles of confusion. O(pixels).
+std::vector<Fragment> fragments_of(const DepthPicture& picture, std::span<const float> front,
+                                   std::span<const float> behind);
+
+}  // namespace relumbre

@@ -1,0 +1,43 @@
+/// Pixels in which two surfaces meet.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "relumbre/dof/depth_picture.h"
+
+namespace relumbre {
+
+/// 1 for pixels whose circle of confusion, or that of one beside them, jumps by more than one
+/// surface's does: an edge runs there, and its colour may be that of both sides. O(pixels).
+std::vector<std::uint8_t> pixels_at_jumps(std::span<const float> circles, std::size_t width,
+                                          std::size_t height);
+
+/// A pixel's colour as share · near + (1 − share) · far.
+struct MixedPixel {
+  float share = 1;  ///< of the nearer surface
+  float near_coc = 0, far_coc = 0;
+  Rgba near, far;
+};
+
+/// A picture with smooth edges has one depth for a pixel that shows two surfaces. Where the circle
+/// of confusion jumps, what unmixed pixels around show of the nearer and of the farther surface
+/// says how much of each a pixel has; the rest of its colour is added to both, so that the mixture
+/// is the pixel's colour exactly.
+class Unmixer {
+ public:
+  /// `front`: signed circles of confusion of picture.front. Both outlive this. O(pixels).
+  Unmixer(const DepthPicture& picture, std::span<const float> front);
+
+  /// Nothing where there is no jump between the pixel and one beside it.
+  [[nodiscard]] std::optional<MixedPixel> operator()(std::size_t x, std::size_t y) const;
+
+ private:
+  const DepthPicture& picture_;
+  std::span<const float> front_;
+  std::vector<std::uint8_t> mixed_;
+};
+
+}  // namespace relumbre
