@@ -140,7 +140,9 @@ ApertureKernel turned(const ApertureKernel& kernel) {
   return result;
 }
 
-constexpr double kStepsPerPixel = 8, kEvenUpTo = 32, kStepsPerE = 64;
+// A pixel's own share of its light falls by half from a blur of 1 to one of 1.6 pixels: steps
+// there must be fine, or rings of neighbouring steps show.
+constexpr double kStepsPerPixel = 64, kEvenUpTo = 4, kStepsPerE = 256;
 
 std::size_t step_of(double diameter) {
   const double step = diameter <= kEvenUpTo ? kStepsPerPixel * diameter

@@ -39,8 +39,8 @@ struct ApertureKernel {
   [[nodiscard]] int bottom() const { return top + static_cast<int>(rows.size()); }
 };
 
-/// Kernels of all diameters up to a largest: in steps of an eighth of a pixel up to 32 pixels, of
-/// 1.6% beyond.
+/// Kernels of all diameters up to a largest: in steps of 1/64 pixel up to 4 pixels, of 0.4%
+/// beyond.
 class ApertureKernels {
  public:
   /// Kernels of both signs. Throws ValueError for a largest diameter that is not finite or above

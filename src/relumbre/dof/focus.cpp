@@ -4,8 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "relumbre/base/error.h"
 #include "relumbre/base/parallel.h"
 
@@ -16,18 +14,6 @@ namespace {
 constexpr std::size_t kGrain = 1 << 14;  // pixels a task
 
 }  // namespace
-
-double depth_at(const DepthPicture& picture, Pixel pixel) {
-  if (pixel.x >= picture.width || pixel.y >= picture.height) {
-    throw ValueError(fmt::format("focus: pixel {},{} lies outside {} × {}", pixel.x, pixel.y,
-                                 picture.width, picture.height));
-  }
-  const auto depth = static_cast<double>(picture.front.depth[pixel.y * picture.width + pixel.x]);
-  if (!std::isfinite(depth)) {
-    throw ValueError(fmt::format("focus: there is nothing at pixel {},{}", pixel.x, pixel.y));
-  }
-  return depth;
-}
 
 double automatic_focus(const DepthPicture& picture) {
   const double height = static_cast<double>(picture.height), sigma = height / 6;

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -11,15 +10,9 @@
 
 namespace relumbre {
 
-struct Pixel {
-  std::size_t x = 0, y = 0;
-};
-
-/// Depth of what is at a pixel, m. Throws ValueError: outside the picture, or nothing there.
-double depth_at(const DepthPicture& picture, Pixel pixel);
-
 /// A depth worth looking at: the median of the middle of the picture, weighted by a Gaussian of a
 /// sixth of the height, of pixels where there is something. Throws ValueError if there is nothing.
+/// For the depth at a pixel see focus_on_pixel() in thin_lens.h.
 double automatic_focus(const DepthPicture& picture);
 
 /// Signed diameter of the circle of confusion of every depth, in pixels of a picture `width` wide,

@@ -2,6 +2,7 @@
 
 #include "relumbre/dof/mixed_pixel.h"
 #include "relumbre/dof/revealed.h"
+#include "relumbre/dof/surface_edges.h"
 
 namespace relumbre {
 
@@ -9,17 +10,19 @@ namespace {
 
 Rgba scaled(const Rgba& c, float s) { return {c.r * s, c.g * s, c.b * s, c.a * s}; }
 
-void add_front(const DepthPicture& picture, std::span<const float> front, const Unmixer& unmix,
-               std::uint32_t x, std::uint32_t y, std::vector<Fragment>& fragments) {
+void add_front(const DepthPicture& picture, std::span<const float> front, const SurfaceEdges& edges,
+               const Unmixer& unmix, std::uint32_t x, std::uint32_t y,
+               std::vector<Fragment>& fragments) {
   const std::size_t i = y * picture.width + x;
   const auto mixed = unmix(x, y);
   if (!mixed) {
-    fragments.push_back({x, y, front[i], 1, picture.front.color[i]});
+    fragments.push_back({x, y, front[i], edges.slope(x, y), 1, picture.front.color[i]});
     return;
   }
   const float share = mixed->share, rest = 1 - share;
-  if (share > 0) fragments.push_back({x, y, mixed->near_coc, share, scaled(mixed->near, share)});
-  if (rest > 0) fragments.push_back({x, y, mixed->far_coc, rest, scaled(mixed->far, rest)});
+  if (share > 0)
+    fragments.push_back({x, y, mixed->near_coc, {}, share, scaled(mixed->near, share)});
+  if (rest > 0) fragments.push_back({x, y, mixed->far_coc, {}, rest, scaled(mixed->far, rest)});
 }
 
 }  // namespace
@@ -29,14 +32,18 @@ std::vector<Fragment> fragments_of(const DepthPicture& picture, std::span<const 
   const std::vector<std::uint8_t> shown = behind.empty()
                                               ? std::vector<std::uint8_t>(picture.pixels())
                                               : revealed(picture, front, behind);
+  const SurfaceEdges edges(front, picture.width, picture.height),
+      edges_behind(behind, picture.width, picture.height);
   const Unmixer unmix(picture, front);
   std::vector<Fragment> fragments;
   fragments.reserve(picture.pixels() + picture.pixels() / 4);
   for (std::uint32_t y = 0; y < picture.height; ++y) {
     for (std::uint32_t x = 0; x < picture.width; ++x) {
       const std::size_t i = y * picture.width + x;
-      add_front(picture, front, unmix, x, y, fragments);
-      if (shown[i] != 0) fragments.push_back({x, y, behind[i], 1, picture.behind.color[i]});
+      add_front(picture, front, edges, unmix, x, y, fragments);
+      if (shown[i] != 0)
+        fragments.push_back(
+            {x, y, behind[i], edges_behind.slope(x, y), 1, picture.behind.color[i]});
     }
   }
   return fragments;

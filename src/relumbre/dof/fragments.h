@@ -13,6 +13,7 @@ namespace relumbre {
 struct Fragment {
   std::uint32_t x = 0, y = 0;
   float coc = 0;       ///< signed diameter of its circle of confusion, pixels
+  Vec2f slope;         ///< by which that grows from pixel to pixel, to the right and downwards
   float coverage = 1;  ///< of the pixel
   Rgba color;          ///< multiplied by the coverage
 };

@@ -7,14 +7,11 @@
 #include <optional>
 
 #include "relumbre/base/parallel.h"
-#include "relumbre/dof/mixed_pixel.h"
+#include "relumbre/dof/surface_edges.h"
 
 namespace relumbre {
 
 namespace {
-
-/// Circles of confusion that differ by less belong to one surface, pixels.
-constexpr float kOneSurface = 1.5F;
 
 /// The mean of the farthest surface in a square of pixels.
 struct Cell {
@@ -65,7 +62,7 @@ struct Level {
 /// Pixels whose colour may be that of two surfaces hardly count.
 Level finest(const DepthPicture& picture, std::span<const float> circles) {
   constexpr float kPure = 1, kMixed = 1e-3F;
-  const auto mixed = pixels_at_jumps(circles, picture.width, picture.height);
+  const auto mixed = SurfaceEdges(circles, picture.width, picture.height).pixels();
   Level level{picture.width, picture.height, std::vector<Cell>(picture.pixels())};
   for (std::size_t i = 0; i < picture.pixels(); ++i) {
     level.cells[i] = {circles[i], 1 / picture.front.depth[i], picture.front.color[i],

@@ -4,14 +4,12 @@
 #include <cmath>
 #include <limits>
 
-#include "relumbre/base/parallel.h"
+#include "relumbre/dof/surface_edges.h"
 
 namespace relumbre {
 
 namespace {
 
-/// Circles of confusion that differ by less belong to one surface, pixels.
-constexpr float kOneSurface = 1.5F;
 /// Pixels to either side from which the two surfaces' colours are taken.
 constexpr std::size_t kAround = 2;
 
@@ -64,22 +62,10 @@ float share_of(const Rgba& c, const Rgba& a, const Rgba& b) {
 
 }  // namespace
 
-std::vector<std::uint8_t> pixels_at_jumps(std::span<const float> circles, std::size_t width,
-                                          std::size_t height) {
-  std::vector<std::uint8_t> result(circles.size());
-  parallel_for(0, height, 16, [&](std::size_t y) {
-    for (std::size_t x = 0; x < width; ++x) {
-      const auto [least, largest] = range(circles, width, around(x, y, 1, width, height));
-      result[y * width + x] = largest - least > kOneSurface ? 1 : 0;
-    }
-  });
-  return result;
-}
-
 Unmixer::Unmixer(const DepthPicture& picture, std::span<const float> front)
     : picture_(picture),
       front_(front),
-      mixed_(pixels_at_jumps(front, picture.width, picture.height)) {}
+      mixed_(SurfaceEdges(front, picture.width, picture.height).pixels()) {}
 
 std::optional<MixedPixel> Unmixer::operator()(std::size_t x, std::size_t y) const {
   const std::size_t here = y * picture_.width + x;

@@ -10,11 +10,6 @@
 
 namespace relumbre {
 
-/// 1 for pixels whose circle of confusion, or that of one beside them, jumps by more than one
-/// surface's does: an edge runs there, and its colour may be that of both sides. O(pixels).
-std::vector<std::uint8_t> pixels_at_jumps(std::span<const float> circles, std::size_t width,
-                                          std::size_t height);
-
 /// A pixel's colour as share · near + (1 − share) · far.
 struct MixedPixel {
   float share = 1;  ///< of the nearer surface

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "relumbre/base/error.h"
 #include "relumbre/base/parallel.h"
@@ -16,8 +15,8 @@ namespace {
 
 /// Rows of the picture that are worked on together: their sums stay in a core's cache.
 constexpr std::size_t kStripe = 48;
-/// A box's steps fall into few rows, so larger stripes repeat less.
-constexpr std::size_t kBoxStripe = 192;
+/// A box's steps fall into few rows, so that larger stripes repeat less.
+constexpr std::size_t kBoxStripe = 360;
 
 /// Share of a pixel that blurs of a total weight cover. Where circles of confusion change from
 /// pixel to pixel, the weights of one surface add up to a little less than 1, and what lies behind,
@@ -31,7 +30,7 @@ double covered(double weight, double tolerance) {
 
 /// Blurs of a few pixels are cut off by the pixels they fall on; large ones add up smoothly.
 double tolerance_of(double diameter) {
-  return std::clamp(0.12 - 0.018 * (diameter - 2), 0.005, 0.12);
+  return std::clamp(0.06 - 0.018 * (diameter - 2), 0.025, 0.06);
 }
 
 /// Layers laid over one another from front to back.
@@ -70,28 +69,26 @@ struct Work {
   const DepthPicture& picture;
   const DepthLayers& layers;
   const ApertureKernels& kernels;
-  bool box;
 };
 
 /// Rows [first, last) of the result.
-template <class Sum>
+template <class Sum, bool kBox>
 void spread_stripe(const Work& work, std::size_t first, std::size_t last, std::span<Rgba> result) {
   const std::size_t width = work.picture.width, rows = last - first;
-  SpreadSums<Sum> sums(width, work.picture.height, first, last);
+  SpreadSums<Sum, kBox> sums(width, work.picture.height, first, last);
   Cover cover(width * rows);
   for (std::size_t layer = 0; layer < work.layers.layers; ++layer) {
-    const auto [begin, end] = sums.source_rows(work.layers.reach[layer]);
+    const float reach = work.layers.reach[layer];
+    const auto [begin, end] = sums.source_rows(reach);
     const std::span<const Fragment> fragments = work.layers.rows(layer, begin, end);
     if (fragments.empty()) continue;
     sums.clear();
     for (const Fragment& fragment : fragments)
-      sums.spread(fragment, work.kernels.of(static_cast<double>(fragment.coc)), work.box);
-    sums.integrate(work.box);
-    const double tolerance = tolerance_of(static_cast<double>(work.layers.reach[layer]));
-    for (std::size_t y = 0; y < rows; ++y) {
-      const Sum* row = sums.row(y);
-      for (std::size_t x = 0; x < width; ++x) cover.add(y * width + x, row[x], tolerance);
-    }
+      sums.spread(fragment, work.kernels.of(static_cast<double>(fragment.coc)));
+    sums.integrate();
+    const double tolerance = tolerance_of(static_cast<double>(reach));
+    for (std::size_t y = 0; y < rows; ++y)
+      for (std::size_t x = 0; x < width; ++x) cover.add(y * width + x, sums.row(y)[x], tolerance);
   }
   for (std::size_t i = 0; i < width * rows; ++i) result[first * width + i] = cover.color(i);
 }
@@ -115,17 +112,20 @@ std::vector<Rgba> spread(const DepthPicture& picture, const ThinLens& lens,
       sort_into_layers(fragments_of(picture, front, behind), picture.height, config.layers);
   const ApertureKernels kernels(config.shape, config.aperture,
                                 static_cast<double>(std::ranges::max(layers.reach)));
-  const Work work{picture, layers, kernels, config.shape == BlurShape::kBox};
+  const Work work{picture, layers, kernels};
+  const bool box = config.shape == BlurShape::kBox, solid = opaque(picture);
+  const auto spread_rows =
+      box ? (solid ? spread_stripe<OpaqueSum, true> : spread_stripe<AlphaSum, true>)
+          : (solid ? spread_stripe<OpaqueSum, false> : spread_stripe<AlphaSum, false>);
 
   std::vector<Rgba> result(picture.pixels());
   progress.begin("spreading", picture.height);
-  const bool solid = opaque(picture);
-  parallel_chunks(
-      0, picture.height, work.box ? kBoxStripe : kStripe, [&](std::size_t first, std::size_t last) {
-        progress.check();
-        (solid ? spread_stripe<OpaqueSum> : spread_stripe<AlphaSum>)(work, first, last, result);
-        progress.advance(last - first);
-      });
+  parallel_chunks(0, picture.height, box ? kBoxStripe : kStripe,
+                  [&](std::size_t first, std::size_t last) {
+                    progress.check();
+                    spread_rows(work, first, last, result);
+                    progress.advance(last - first);
+                  });
   return result;
 }
 

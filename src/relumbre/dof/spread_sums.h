@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -48,8 +49,33 @@ struct AlphaSum : LaneSum<5> {
   }
 };
 
-/// Sums of rows [first, last) of a picture of width × height.
-template <class Sum>
+/// How a blur's brightness changes across it: 1 + x · right + y · down at offset (x, y) from its
+/// centre.
+struct Tilt {
+  double right = 0, down = 0;
+};
+
+/// Points of a slanted surface are blurred the more the farther along the slope they are. What
+/// lands on a pixel from them is, per area of the surface in the picture,
+///
+///   (1 + ⟨x − p, ∇c⟩ / c) / area(c)      p: the point's pixel, x: the pixel it lands on
+///
+/// which is the Jacobian of the lens point 2 (x − p) / c(p) that looks from x at p; without it,
+/// the blurs on a floor would not add up to 1.
+inline Tilt tilt_of(const Fragment& fragment, const ApertureKernel& kernel) {
+  constexpr double kLargest = 0.9;  // beyond, the surface is seen edge-on
+  const double c = static_cast<double>(fragment.coc);
+  if (std::abs(c) < 1) return {};
+  const Tilt tilt{static_cast<double>(fragment.slope.x) / c,
+                  static_cast<double>(fragment.slope.y) / c};
+  const double steepest = std::hypot(tilt.right, tilt.down) * kernel.reach;
+  const double scale = steepest > kLargest ? kLargest / steepest : 1;
+  return {tilt.right * scale, tilt.down * scale};
+}
+
+/// Sums of rows [first, last) of a picture of width × height. A box is spread by two running sums,
+/// and is not tilted; all other blurs row by row, with one.
+template <class Sum, bool kBox>
 class SpreadSums {
  public:
   SpreadSums(std::size_t width, std::size_t height, std::size_t first, std::size_t last)
@@ -57,7 +83,8 @@ class SpreadSums {
         height_(static_cast<int>(height)),
         first_(static_cast<int>(first)),
         last_(static_cast<int>(last)),
-        sums_((width + 1) * (last - first)) {}
+        steps_((width + 1) * (last - first)),
+        sums_(width * (last - first)) {}
 
   /// Rows of the picture from which a blur of this diameter may reach the stripe.
   [[nodiscard]] std::pair<std::size_t, std::size_t> source_rows(float diameter) const {
@@ -65,61 +92,87 @@ class SpreadSums {
     return {static_cast<std::size_t>(std::max(first_ - reach, 0)),
             static_cast<std::size_t>(std::min(last_ + reach, height_))};
   }
-  void clear() { std::ranges::fill(sums_, Sum{}); }
+  void clear() { std::ranges::fill(steps_, Step{}); }
 
-  /// Writes the steps of a fragment's blur, and of those of its repetitions beyond the border.
-  void spread(const Fragment& fragment, const ApertureKernel& kernel, bool box) {
-    const Sum light(fragment.color, fragment.coverage, kernel.share);
+  /// Writes the steps of a fragment's blur. Beyond its border the picture goes on as it ends:
+  /// fragments there are repeated as far as their blurs reach.
+  void spread(const Fragment& fragment, const ApertureKernel& kernel) {
+    const Sum light(fragment.color, static_cast<double>(fragment.coverage), kernel.share);
     const int x = static_cast<int>(fragment.x), y = static_cast<int>(fragment.y);
     const int up = y == 0 ? kernel.bottom() : 0, down = y == height_ - 1 ? 1 - kernel.top : 0;
-    if (y + down + kernel.bottom() <= first_ || y - up + kernel.top >= last_) return;
     const int left = x == 0 ? kernel.reach : 0, right = x == width_ - 1 ? kernel.reach : 0;
     for (int v = y - up; v <= y + down; ++v) {
+      if (v + kernel.bottom() <= first_ || v + kernel.top >= last_) continue;
       for (int u = x - left; u <= x + right; ++u) {
-        if (box)
+        if constexpr (kBox) {
           spread_box(light, kernel, u, v);
-        else
-          spread_rows(light, kernel, u, v);
+        } else {
+          spread_rows(light, kernel, tilt_of(fragment, kernel), u, v);
+        }
       }
     }
   }
 
   /// Steps to values.
-  void integrate(bool box) {
+  void integrate() {
     for (int y = first_; y < last_; ++y) {
-      Sum* row = this->row(static_cast<std::size_t>(y - first_));
-      for (int x = 1; x < width_; ++x) row[x].add(row[x - 1]);
-      if (!box || y == first_) continue;
-      const Sum* above = row - (width_ + 1);
-      for (int x = 0; x < width_; ++x) row[x].add(above[x]);
+      const Step* steps = step_row(y);
+      Sum* sums = row(static_cast<std::size_t>(y - first_));
+      Sum value, slope;
+      for (int x = 0; x < width_; ++x) {
+        if constexpr (!kBox) value.add(slope), slope.add(steps[x].slope);
+        value.add(steps[x].value);
+        sums[x] = value;
+      }
+      if (!kBox || y == first_) continue;
+      const Sum* above = sums - width_;
+      for (int x = 0; x < width_; ++x) sums[x].add(above[x]);
     }
   }
   [[nodiscard]] Sum* row(std::size_t y) {
-    return sums_.data() + y * (static_cast<std::size_t>(width_) + 1);
+    return sums_.data() + y * static_cast<std::size_t>(width_);
   }
 
  private:
-  /// A step at a column: to the left of the picture it is one at its border, to the right it is
-  /// none (the column `width` is never read).
-  void step(Sum* row, int x, const Sum& light, double scale) const {
-    row[std::clamp(x, 0, width_)].add(light, scale);
+  struct Flat {
+    Sum value;
+  };
+  struct Sloped : Flat {
+    Sum slope;
+  };
+  /// At this column and all to the right of it the sum grows by `value`, and from column to column
+  /// by `slope`.
+  using Step = std::conditional_t<kBox, Flat, Sloped>;
+
+  [[nodiscard]] Step* step_row(int y) {
+    return steps_.data() +
+           static_cast<std::size_t>(y - first_) * (static_cast<std::size_t>(width_) + 1);
   }
-  void steps(Sum* row, int x, const ApertureKernel::Span& span, const Sum& light,
-             double scale) const {
+  /// From `column` on, `scale` times a brightness of `level` at the center, tilted. To the left of
+  /// the picture it begins at its border, to the right not at all (the column `width` is never
+  /// read).
+  void step(Step* row, int center, int column, const Sum& light, double scale, double level,
+            double tilt) const {
+    column = std::clamp(column, 0, width_);
+    row[column].value.add(light, scale * (level + tilt * (column - center)));
+    if constexpr (!kBox) row[column].slope.add(light, scale * tilt);
+  }
+  void steps(Step* row, int x, const ApertureKernel::Span& span, const Sum& light, double scale,
+             double level, double tilt) const {
     const auto begin = static_cast<double>(span.begin_fraction),
                end = static_cast<double>(span.end_fraction);
-    step(row, x + span.begin, light, scale * (1 - begin));
-    step(row, x + span.begin + 1, light, scale * begin);
-    step(row, x + span.end, light, scale * (end - 1));
-    step(row, x + span.end + 1, light, scale * -end);
+    step(row, x, x + span.begin, light, scale * (1 - begin), level, tilt);
+    step(row, x, x + span.begin + 1, light, scale * begin, level, tilt);
+    step(row, x, x + span.end, light, scale * (end - 1), level, tilt);
+    step(row, x, x + span.end + 1, light, scale * -end, level, tilt);
   }
-  void spread_rows(const Sum& light, const ApertureKernel& kernel, int x, int y) {
+  void spread_rows(const Sum& light, const ApertureKernel& kernel, const Tilt& tilt, int x, int y) {
     const int top = y + kernel.top;
     const int begin = std::max(first_, top), end = std::min(last_, y + kernel.bottom());
     for (int v = begin; v < end; ++v) {
       const ApertureKernel::Span& span = kernel.rows[static_cast<std::size_t>(v - top)];
-      steps(row(static_cast<std::size_t>(v - first_)), x, span, light,
-            static_cast<double>(span.height));
+      steps(step_row(v), x, span, light, static_cast<double>(span.height), 1 + tilt.down * (v - y),
+            tilt.right);
     }
   }
   /// A box is a product of two spans.
@@ -133,11 +186,12 @@ class SpreadSums {
                                            {span.end + 1, -end}};
     for (const auto& [at, scale] : rows) {
       const int v = std::max(y + at, first_);
-      if (v < last_) steps(row(static_cast<std::size_t>(v - first_)), x, span, light, scale);
+      if (v < last_) steps(step_row(v), x, span, light, scale, 1, 0);
     }
   }
 
   int width_, height_, first_, last_;
+  std::vector<Step> steps_;
   std::vector<Sum> sums_;
 };
 

@@ -37,20 +37,23 @@ void set_lane(HitPacket& hits, std::size_t i, const Hit& hit) {
 struct Passage {
   std::size_t index;
   Ray ray;
-  float depth;        ///< from where on a hit counts
-  int inside = 0;     ///< solids entered and not left
-  Hit first_front{};  ///< the closest one that counts, inside a solid or not
+  float depth;           ///< from where on a hit counts
+  std::uint32_t object;  ///< that was hit first
+  int inside = 0;        ///< solids of that object entered and not left
+  Hit first_front{};     ///< the closest one that counts, inside a solid or not
 
   /// Takes note of a hit; true if it is what lies behind.
-  bool meets(const Hit& hit, bool one_sided) {
+  bool meets(const Hit& hit, const TriangleMesh& mesh) {
+    const bool one_sided = mesh.two_sided[hit.triangle] == 0;
+    const bool same_object = mesh.object[hit.triangle] == object;
     if (one_sided && hit.back) {
-      inside = std::max(0, inside - 1);
+      if (same_object) inside = std::max(0, inside - 1);
       return false;
     }
     const bool counts = hit.t > depth;
-    if (counts && inside == 0) return true;
+    if (counts && (!same_object || inside == 0)) return true;
     if (counts && !first_front) first_front = hit;
-    inside += one_sided ? 1 : 0;
+    if (same_object && one_sided) ++inside;
     return false;
   }
 };
@@ -101,9 +104,10 @@ void trace_behind(const Scene& scene, const RayScene& rays, std::span<const Ray>
   for (std::size_t i = 0; i < hits.size(); ++i) {
     behind_hits[i] = {};
     if (!hits[i]) continue;
-    const bool one_sided = scene.mesh.two_sided[hits[i].triangle] == 0;
+    const std::uint32_t triangle = hits[i].triangle;
     passages.push_back({i, behind(primary[i], hits[i], rays.epsilon()),
-                        hits[i].t * (1 + separation), one_sided ? 1 : 0});
+                        hits[i].t * (1 + separation), scene.mesh.object[triangle],
+                        scene.mesh.two_sided[triangle] == 0 ? 1 : 0});
   }
   std::vector<Ray> batch;
   std::vector<Hit> met;
@@ -119,7 +123,7 @@ void trace_behind(const Scene& scene, const RayScene& rays, std::span<const Ray>
         if (p.inside > 0) behind_hits[p.index] = p.first_front;
         continue;
       }
-      if (p.meets(met[i], scene.mesh.two_sided[met[i].triangle] == 0)) {
+      if (p.meets(met[i], scene.mesh)) {
         behind_hits[p.index] = met[i];
         continue;
       }

@@ -18,11 +18,11 @@ void trace_primary(const Scene& scene, const RayScene& rays, const RayPacket& pr
                    HitPacket& hits, std::size_t active);
 
 /// behind[i] = what would be seen along rays[i] if the solid or sheet that it hit first were not
-/// there: the closest hit deeper than (1 + separation) times hits[i].t that lies outside of every
-/// solid which the ray has entered. A ray enters a solid through the front of a one-sided triangle
-/// and leaves it through a back. Where it never leaves, because the mesh has no back there (a
-/// sheet, a box without a bottom), the closest front at that depth counts. A miss where the ray
-/// hits nothing, or nothing more. At most 64 surfaces are passed.
+/// there: the closest hit deeper than (1 + separation) times hits[i].t that lies on another object,
+/// or on the same one outside of its solids which the ray has entered. A ray enters a solid through
+/// the front of a one-sided triangle and leaves it through a back. Where it never leaves, because
+/// the mesh has no back there (a sheet, a box without a bottom), the closest front at that depth
+/// counts. A miss where the ray hits nothing, or nothing more. At most 64 surfaces are passed.
 void trace_behind(const Scene& scene, const RayScene& rays, std::span<const Ray> primary,
                   std::span<const Hit> hits, float separation, std::span<Hit> behind);
 

@@ -52,8 +52,8 @@ using DefaultPlus =
 
 namespace scan_detail {
 
-/// Tiles fit the second-level cache beside what else is there.
-inline constexpr std::size_t kTileBytes = std::size_t{64} << 10;
+/// Short enough for threads to share an array that fits a first-level cache or two.
+inline constexpr std::size_t kTileBytes = std::size_t{16} << 10;
 
 /// A whole number of granules.
 template <class In>
@@ -65,7 +65,7 @@ template <ScanKind kKind, class In, class M, class Out>
 class KernelWork {
  public:
   static constexpr bool kOnePass = true;
-  static constexpr std::size_t kWorthThreads = 4;
+  static constexpr std::size_t kWorthThreads = 16;
   static constexpr auto kMember = kKernel<In, M, Out>;
   using Kernel = std::remove_cvref_t<decltype(std::declval<ScanKernels>().*kMember)>;
   using Value = typename Kernel::carry_type;
@@ -75,39 +75,51 @@ class KernelWork {
   KernelWork(std::span<const In> in, std::span<Out> out, const M&)
       : kernel_(best_scan_kernels().*kMember),
         in_(in.data()),
+        size_(in.size()),
         out_(out.data()),
         in_place_(static_cast<const void*>(in_) == static_cast<const void*>(out_)),
-        in_cache_(!outgrows_cache(in.size_bytes() + (in_place_ ? 0 : out.size_bytes()))) {}
+        outgrows_(outgrows_cache(in.size_bytes() + (in_place_ ? 0 : out.size_bytes()))) {}
 
-  [[nodiscard]] bool in_cache() const { return in_cache_; }
+  [[nodiscard]] bool in_parts() const { return !in_place_ && !outgrows_; }
 
   [[nodiscard]] Value identity() const { return Combine().identity(); }
   [[nodiscard]] Value combine(Value a, Value b) const { return Combine()(a, b); }
   [[nodiscard]] Value fold(std::size_t first, std::size_t last) const {
-    Value local = identity();
-    for (std::size_t i = first; i < last; i += kRun) {
-      if (!in_cache_) prefetch(i, last);
-      local = kernel_.fold(in_ + i, std::min(kRun, last - i), local);
-    }
-    return local;
+    return kernel_.fold(in_ + first, last - first, identity());
   }
   Value scan(std::size_t first, std::size_t last, Value prefix) const {
-    if (!in_place_ && !in_cache_) return combine(prefix, stream(first, last, prefix));
-    return combine(prefix, run(first, last - first, out_ + first, prefix, identity()));
+    return scan(first, last, prefix, size_);
+  }
+  Value scan(std::size_t first, std::size_t last, Value prefix, std::size_t ahead) const {
+    if (!outgrows_) return combine(prefix, run(first, last, out_ + first, prefix, identity()));
+    if (in_place_) return combine(prefix, scan_in_place(first, last, prefix, ahead));
+    return combine(prefix, stream(first, last, prefix, ahead));
+  }
+  void end_thread() const {
+    if (outgrows_) end_streaming();
   }
 
  private:
-  Value run(std::size_t first, std::size_t count, Out* to, Value prefix, Value local) const {
+  Value run(std::size_t first, std::size_t last, Out* to, Value prefix, Value local) const {
     const auto scan = kKind == ScanKind::kInclusive ? kernel_.inclusive : kernel_.exclusive;
-    return scan(in_ + first, count, to, prefix, local);
+    return scan(in_ + first, last - first, to, prefix, local);
   }
-  Value stream(std::size_t first, std::size_t last, Value prefix) const {
+  Value scan_in_place(std::size_t first, std::size_t last, Value prefix, std::size_t ahead) const {
+    Value local = identity();
+    for (std::size_t i = first; i < last; i += kRun, ahead += kRun) {
+      fetch(ahead);
+      local = run(i, std::min(i + kRun, last), out_ + i, prefix, local);
+    }
+    return local;
+  }
+  Value stream(std::size_t first, std::size_t last, Value prefix, std::size_t ahead) const {
     StreamWriter<Out> writer(out_ + first);
     Value local = identity();
-    for (std::size_t i = first; i < last; i += kRun) {
-      const std::size_t count = std::min(kRun, last - i);
-      local = run(i, count, writer.buffer(), prefix, local);
-      writer.commit(count);
+    for (std::size_t i = first; i < last; i += kRun, ahead += kRun) {
+      const std::size_t end = std::min(i + kRun, last);
+      fetch(ahead);
+      local = run(i, end, writer.buffer(), prefix, local);
+      writer.commit(end - i);
     }
     writer.finish();
     return local;
@@ -115,18 +127,18 @@ class KernelWork {
 
   static constexpr std::size_t kRun = StreamWriter<Out>::kRun;
 
-  /// Asks for a run some runs ahead of i, within the tile: the processor's own prefetching leaves a
-  /// part of the memory's bandwidth idle.
-  [[gnu::always_inline]] void prefetch(std::size_t i, std::size_t last) const {
-    constexpr std::size_t kAhead = 2 * kRun, kLine = 64 / sizeof(In);
-    for (std::size_t j = i + kAhead; j < std::min(i + kAhead + kRun, last); j += kLine)
-      __builtin_prefetch(in_ + j, 0, 2);
+  /// Asks for the run at `first`.
+  [[gnu::always_inline]] void fetch(std::size_t first) const {
+    constexpr std::size_t kLine = 64 / sizeof(In);
+    const std::size_t last = std::min(size_, first + kRun);
+    for (std::size_t i = first; i < last; i += kLine) __builtin_prefetch(in_ + i, 0, 2);
   }
 
   const Kernel& kernel_;
   const In* in_;
+  std::size_t size_;
   Out* out_;
-  bool in_place_, in_cache_;
+  bool in_place_, outgrows_;
 };
 
 /// Element by element: load(i) gives a value, store(i, value) takes a result.
@@ -134,7 +146,7 @@ template <ScanKind kKind, Monoid M, class Load, class Store>
 class ElementWork {
  public:
   static constexpr bool kOnePass = kIsExact<M>;
-  static constexpr std::size_t kWorthThreads = 2;
+  static constexpr std::size_t kWorthThreads = 8;
   using Value = typename M::value_type;
 
   ElementWork(const M& m, const Load& load, const Store& store)
@@ -174,7 +186,7 @@ typename M::value_type scan(const char* function, std::span<const In> in, std::s
   check::in_place_or_disjoint(function, in, std::span<const Out>(out));
   if constexpr (!std::is_null_pointer_v<std::remove_cv_t<decltype(kKernel<In, M, Out>)>>) {
     KernelWork<kKind, In, M, Out> work(in, out, m);
-    return static_cast<Value>(chained::scan_tiles({in.size(), kTile<In>}, work.in_cache(), work));
+    return static_cast<Value>(chained::scan_tiles({in.size(), kTile<In>}, work.in_parts(), work));
   } else {
     return scan_elements<kKind>(
         in.size(), kTile<In>, m, [in](std::size_t i) { return static_cast<Value>(in[i]); },

@@ -1,13 +1,33 @@
 #include "relumbre/scan/stream_writer.h"
 
-#include <cstring>
-
 #include <unistd.h>
 
-#if defined(__SSE2__)
-#include <emmintrin.h>
-#endif
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "relumbre/scan/stream_writer.cpp"
+// clang-format off
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+// clang-format on
+#include <hwy/cache_control.h>
 
+HWY_BEFORE_NAMESPACE();
+namespace relumbre::HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// A line in one store, where the vectors are long enough, leaves the most time for scanning.
+void stream_bytes(const std::uint8_t* from, std::size_t bytes, std::uint8_t* to) {
+  const hn::CappedTag<std::uint8_t, 64> d;
+  for (std::size_t i = 0; i < bytes; i += hn::Lanes(d))
+    hn::Stream(hn::LoadU(d, from + i), d, to + i);
+}
+
+}  // namespace
+}  // namespace relumbre::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
 namespace relumbre {
 
 namespace {
@@ -22,26 +42,14 @@ std::size_t last_level_cache() {
 
 }  // namespace
 
-#if defined(__SSE2__)
+HWY_EXPORT(stream_bytes);
 
 void stream_lines(const std::byte* from, std::size_t lines, std::byte* to) {
-  const auto* source = reinterpret_cast<const __m128i*>(from);
-  auto* target = reinterpret_cast<__m128i*>(to);
-  for (std::size_t i = 0; i < 4 * lines; ++i)
-    _mm_stream_si128(target + i, _mm_loadu_si128(source + i));
+  HWY_DYNAMIC_DISPATCH(stream_bytes)
+  (reinterpret_cast<const std::uint8_t*>(from), 64 * lines, reinterpret_cast<std::uint8_t*>(to));
 }
 
-void end_streaming() { _mm_sfence(); }
-
-#else
-
-void stream_lines(const std::byte* from, std::size_t lines, std::byte* to) {
-  std::memcpy(to, from, 64 * lines);
-}
-
-void end_streaming() {}
-
-#endif
+void end_streaming() { hwy::FlushStream(); }
 
 bool outgrows_cache(std::size_t bytes) {
   static const std::size_t cache = last_level_cache();
@@ -49,3 +57,4 @@ bool outgrows_cache(std::size_t bytes) {
 }
 
 }  // namespace relumbre
+#endif  // HWY_ONCE

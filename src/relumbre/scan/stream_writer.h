@@ -17,12 +17,13 @@ void stream_lines(const std::byte* from, std::size_t lines, std::byte* to);
 void end_streaming();
 
 /// Takes results in runs through a small buffer, which stays in the first-level cache, and streams
-/// whole cache lines from it. What is written may be read by others once finish() has returned.
+/// whole cache lines from it. What is written may be read by others once finish() and
+/// end_streaming() have returned.
 template <class T>
 requires std::is_trivially_copyable_v<T>
 class StreamWriter {
  public:
-  static constexpr std::size_t kRun = 8 * kRunGranule;  ///< elements
+  static constexpr std::size_t kRun = 2 * kRunGranule;  ///< elements
 
   /// `to` is where the first result goes.
   explicit StreamWriter(T* to)
@@ -44,10 +45,7 @@ class StreamWriter {
     std::memmove(bytes_, bytes_ + whole, fill_);
   }
   /// Nothing follows.
-  void finish() {
-    std::memcpy(line_ + begin_, bytes_ + begin_, fill_ - begin_);
-    end_streaming();
-  }
+  void finish() { std::memcpy(line_ + begin_, bytes_ + begin_, fill_ - begin_); }
 
  private:
   static constexpr std::size_t kLine = 64;
