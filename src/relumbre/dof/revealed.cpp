@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "relumbre/dof/surface_edges.h"
 
@@ -13,12 +14,21 @@ namespace {
 /// From a pixel's centre to the nearest that may be seen past its edge.
 constexpr float kFirst = 1.0F;
 
-/// kFirst on the nearer side of every silhouette, infinity elsewhere.
-std::vector<float> silhouettes(std::span<const float> front, const SurfaceEdges& edges,
-                               std::size_t width, std::size_t height) {
-  std::vector<float> distance(front.size(), std::numeric_limits<float>::infinity());
+/// The nearest silhouette of a pixel's own surface, and the circle of confusion of what is seen
+/// past it.
+struct Silhouette {
+  float distance = std::numeric_limits<float>::infinity();
+  float beyond = 0;
+};
+using Silhouettes = std::vector<Silhouette>;
+
+/// Those of the pixels on the nearer side of a jump.
+Silhouettes find_silhouettes(std::span<const float> front, const SurfaceEdges& edges,
+                             std::size_t width, std::size_t height) {
+  Silhouettes result(front.size());
   const auto compare = [&](std::size_t a, std::size_t b) {
-    distance[front[a] < front[b] ? a : b] = kFirst;
+    const auto [near, far] = front[a] < front[b] ? std::pair(a, b) : std::pair(b, a);
+    result[near] = {kFirst, std::max(result[near].beyond, front[far])};
   };
   for (std::size_t y = 0; y < height; ++y) {
     for (std::size_t x = 0; x < width; ++x) {
@@ -27,13 +37,13 @@ std::vector<float> silhouettes(std::span<const float> front, const SurfaceEdges&
       if (edges.jump(x, y, 0, 1)) compare(i, i + width);
     }
   }
-  return distance;
+  return result;
 }
 
-/// Distances to the nearest silhouette of the same surface by two sweeps over neighbours, within a
-/// tenth (Borgefors 1986).
-void spread_distances(const SurfaceEdges& edges, std::vector<float>& distance, std::size_t width,
-                      std::size_t height) {
+/// Tells all pixels of a surface of its silhouettes, by two sweeps over neighbours; distances are
+/// right within a tenth (Borgefors 1986).
+void spread_silhouettes(const SurfaceEdges& edges, Silhouettes& silhouettes, std::size_t width,
+                        std::size_t height) {
   constexpr float kSide = 1, kDiagonal = 1.3507F;
   const auto w = static_cast<std::ptrdiff_t>(width), h = static_cast<std::ptrdiff_t>(height);
   const auto sweep = [&](std::ptrdiff_t x, std::ptrdiff_t y, int step) {
@@ -41,8 +51,9 @@ void spread_distances(const SurfaceEdges& edges, std::vector<float>& distance, s
       const std::ptrdiff_t u = x + dx, v = y + dy;
       if (u < 0 || u >= w || v < 0 || v >= h) return;
       if (edges.jump(static_cast<std::size_t>(x), static_cast<std::size_t>(y), dx, dy)) return;
-      float& here = distance[static_cast<std::size_t>(y * w + x)];
-      here = std::min(here, distance[static_cast<std::size_t>(v * w + u)] + cost);
+      const Silhouette& there = silhouettes[static_cast<std::size_t>(v * w + u)];
+      Silhouette& here = silhouettes[static_cast<std::size_t>(y * w + x)];
+      if (there.distance + cost < here.distance) here = {there.distance + cost, there.beyond};
     };
     from(-step, 0, kSide), from(0, -step, kSide);
     from(-1, -step, kDiagonal), from(1, -step, kDiagonal);
@@ -58,12 +69,14 @@ void spread_distances(const SurfaceEdges& edges, std::vector<float>& distance, s
 std::vector<std::uint8_t> revealed(const DepthPicture& picture, std::span<const float> front,
                                    std::span<const float> behind) {
   const SurfaceEdges edges(front, picture.width, picture.height);
-  std::vector<float> distance = silhouettes(front, edges, picture.width, picture.height);
-  spread_distances(edges, distance, picture.width, picture.height);
+  Silhouettes silhouettes = find_silhouettes(front, edges, picture.width, picture.height);
+  spread_silhouettes(edges, silhouettes, picture.width, picture.height);
   std::vector<std::uint8_t> result(front.size());
   for (std::size_t i = 0; i < front.size(); ++i) {
     const bool known = picture.behind.depth[i] > 0;
-    result[i] = known && distance[i] <= (behind[i] - front[i]) / 2 ? 1 : 0;
+    const bool in_reach = silhouettes[i].distance <= (behind[i] - front[i]) / 2;
+    const bool in_sight = behind[i] <= silhouettes[i].beyond + kOneSurface;
+    result[i] = known && in_reach && in_sight ? 1 : 0;
   }
   return result;
 }

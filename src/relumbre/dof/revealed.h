@@ -12,8 +12,8 @@ namespace relumbre {
 /// 1 for every pixel whose hidden surface some point of the lens sees past a silhouette of the
 /// front. Seen from the rim of the lens, what lies behind has moved against the front by half the
 /// difference of their circles of confusion, `front` and `behind` (signed diameters, pixels); so
-/// no silhouette that is farther away reveals it. 0 where it is not known what lies behind.
-/// O(pixels).
+/// no silhouette that is farther away reveals it, nor one past which only nearer things are seen.
+/// 0 where it is not known what lies behind. O(pixels).
 std::vector<std::uint8_t> revealed(const DepthPicture& picture, std::span<const float> front,
                                    std::span<const float> behind);
 

@@ -30,7 +30,7 @@ double covered(double weight, double tolerance) {
 
 /// Blurs of a few pixels are cut off by the pixels they fall on; large ones add up smoothly.
 double tolerance_of(double diameter) {
-  return std::clamp(0.06 - 0.018 * (diameter - 2), 0.025, 0.06);
+  return std::clamp(0.06 - 0.018 * (diameter - 2), 0.02, 0.06);
 }
 
 /// Layers laid over one another from front to back.
