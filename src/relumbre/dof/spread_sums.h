@@ -99,17 +99,14 @@ class SpreadSums {
   void spread(const Fragment& fragment, const ApertureKernel& kernel) {
     const Sum light(fragment.color, static_cast<double>(fragment.coverage), kernel.share);
     const int x = static_cast<int>(fragment.x), y = static_cast<int>(fragment.y);
-    const int up = y == 0 ? kernel.bottom() : 0, down = y == height_ - 1 ? 1 - kernel.top : 0;
-    const int left = x == 0 ? kernel.reach : 0, right = x == width_ - 1 ? kernel.reach : 0;
-    for (int v = y - up; v <= y + down; ++v) {
-      if (v + kernel.bottom() <= first_ || v + kernel.top >= last_) continue;
-      for (int u = x - left; u <= x + right; ++u) {
-        if constexpr (kBox) {
-          spread_box(light, kernel, u, v);
-        } else {
-          spread_rows(light, kernel, tilt_of(fragment, kernel), u, v);
-        }
-      }
+    const Repeats across = repeats(x, width_, kernel.reach, kernel.reach),
+                  down = repeats(y, height_, kernel.bottom(), 1 - kernel.top);
+    if constexpr (kBox) {
+      spread_box(light, kernel, across, down);
+    } else {
+      const Tilt tilt = tilt_of(fragment, kernel);
+      for (int v = down.first; v <= down.last; ++v)
+        for (int u = across.first; u <= across.last; ++u) spread_rows(light, kernel, tilt, u, v);
     }
   }
 
@@ -134,6 +131,14 @@ class SpreadSums {
   }
 
  private:
+  /// A coordinate and those of its repetitions beyond the border.
+  struct Repeats {
+    int first, last;
+  };
+  static Repeats repeats(int at, int size, int before, int after) {
+    return {at == 0 ? -before : at, at == size - 1 ? at + after : at};
+  }
+
   struct Flat {
     Sum value;
   };
@@ -175,22 +180,55 @@ class SpreadSums {
             tilt.right);
     }
   }
-  /// A box is a product of two spans.
-  void spread_box(const Sum& light, const ApertureKernel& kernel, int x, int y) {
-    const ApertureKernel::Span& span = kernel.side;
-    const auto begin = static_cast<double>(span.begin_fraction),
-               end = static_cast<double>(span.end_fraction);
-    const std::pair<int, double> rows[] = {{span.begin, 1 - begin},
-                                           {span.begin + 1, begin},
-                                           {span.end, end - 1},
-                                           {span.end + 1, -end}};
-    for (const auto& [at, scale] : rows) {
-      const int v = std::max(y + at, first_);
-      if (v < last_) steps(step_row(v), x, span, light, scale, 1, 0);
+  /// A box is a product of two spans, of which the repetitions add up along each axis.
+  void spread_box(const Sum& light, const ApertureKernel& kernel, const Repeats& across,
+                  const Repeats& down) {
+    profile(kernel.side, across, 0, width_, columns_);
+    profile(kernel.side, down, first_, last_, rows_);
+    for (const auto& [y, down_scale] : rows_) {
+      Step* row = step_row(y);
+      for (const auto& [x, scale] : columns_) row[x].value.add(light, scale * down_scale);
+    }
+  }
+  struct AxisStep {
+    int at;
+    double scale;
+  };
+  /// The steps of a span's repetitions, in order; those before `begin` are taken there, those from
+  /// `end` on left out.
+  void profile(const ApertureKernel::Span& span, const Repeats& repeats, int begin, int end,
+               std::vector<AxisStep>& steps) {
+    const auto rise = static_cast<double>(span.begin_fraction),
+               fall = static_cast<double>(span.end_fraction);
+    const auto from = [begin](int at) { return std::max(at, begin); };
+    steps.clear();
+    if (repeats.first == repeats.last) {
+      const int at = repeats.first;
+      for (const AxisStep& step :
+           {AxisStep{from(at + span.begin), 1 - rise}, AxisStep{from(at + span.begin + 1), rise},
+            AxisStep{from(at + span.end), fall - 1}, AxisStep{from(at + span.end + 1), -fall}})
+        if (step.at < end) steps.push_back(step);
+      return;
+    }
+    const int last = std::min(repeats.last + span.end + 2, end);
+    const int first = std::min(from(repeats.first + span.begin), last);
+    summed_.assign(static_cast<std::size_t>(last - first), 0.0);
+    const auto add = [&](int at, double scale) {
+      if (from(at) < last) summed_[static_cast<std::size_t>(from(at) - first)] += scale;
+    };
+    for (int at = repeats.first; at <= repeats.last; ++at) {
+      add(at + span.begin, 1 - rise), add(at + span.begin + 1, rise);
+      add(at + span.end, fall - 1), add(at + span.end + 1, -fall);
+    }
+    for (int at = first; at < last; ++at) {
+      const double scale = summed_[static_cast<std::size_t>(at - first)];
+      if (scale != 0) steps.push_back({at, scale});
     }
   }
 
   int width_, height_, first_, last_;
+  std::vector<AxisStep> columns_, rows_;  // of a box
+  std::vector<double> summed_;
   std::vector<Step> steps_;
   std::vector<Sum> sums_;
 };
