@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
+#include <numeric>
 
 #include <fmt/format.h>
 
@@ -17,6 +19,8 @@ namespace {
 
 /// Rays traced together: enough to keep the ray tracer busy, few enough to stay in the caches.
 constexpr std::size_t kBatch = 2048;
+/// Times as many for an element that the light's power hinges on.
+constexpr std::size_t kMoreRays = 16;
 
 /// All rays of element i. Those of a degenerate element stay as they are: not worth tracing.
 void sample_element(const Tessellation& tessellation, std::size_t i, const LightSampler& sampler,
@@ -34,6 +38,75 @@ Rgb mean(std::span<const Rgb> values) {
   Vec3d sum;
   for (const Rgb& v : values) sum += Vec3d(v);
   return Rgb(sum / static_cast<double>(values.size()));
+}
+
+/// Of the mean luminance, were the rays independent.
+double standard_error(std::span<const Rgb> values) {
+  const auto expected = static_cast<double>(luminance(mean(values)));
+  double squares = 0;
+  for (const Rgb& v : values) {
+    const double d = static_cast<double>(luminance(v)) - expected;
+    squares += d * d;
+  }
+  const auto count = static_cast<double>(values.size());
+  return std::sqrt(squares / count / std::max(count - 1, 1.0));
+}
+
+/// What rays say of the irradiance of an element.
+struct Estimate {
+  Rgb irradiance;
+  double error = 0;  ///< standard error of its luminance
+};
+
+/// Shoots rays from elements at one light.
+class ElementLight {
+ public:
+  ElementLight(const Tessellation& tessellation, const RayScene& rays, const LightSampler& sampler,
+               std::uint64_t seed)
+      : tessellation_(tessellation), rays_(rays), sampler_(sampler), seed_(seed) {}
+
+  /// estimates[i] of elements[i], from so many rays each. `ahead`: told of every element done.
+  template <class Ahead>
+  void estimate(std::span<const std::uint32_t> elements, std::size_t rays,
+                std::span<Estimate> estimates, Ahead&& ahead) {
+    parallel_chunks(0, elements.size(), std::max<std::size_t>(1, kBatch / rays),
+                    [&](std::size_t first, std::size_t last) {
+                      std::vector<LightRay> batch((last - first) * rays);
+                      std::vector<Rgb> arriving(batch.size());
+                      const auto of = [&](auto& values, std::size_t i) {
+                        return std::span(values).subspan((i - first) * rays, rays);
+                      };
+                      for (std::size_t i = first; i < last; ++i)
+                        sample_element(tessellation_, elements[i], sampler_, rays_.epsilon(), seed_,
+                                       of(batch, i));
+                      cast_ += trace_light_rays(rays_, sampler_, batch, arriving);
+                      for (std::size_t i = first; i < last; ++i)
+                        estimates[i] = {mean(of(arriving, i)), standard_error(of(arriving, i))};
+                      ahead(last - first);
+                    });
+  }
+  [[nodiscard]] std::uint64_t cast() const { return cast_; }
+
+ private:
+  const Tessellation& tessellation_;
+  const RayScene& rays_;
+  const LightSampler& sampler_;
+  std::uint64_t seed_;
+  std::atomic<std::uint64_t> cast_ = 0;
+};
+
+/// Elements whose error, times their area, is more than this share of all that arrives.
+std::vector<std::uint32_t> uncertain_elements(std::span<const Estimate> estimates,
+                                              std::span<const float> area) {
+  constexpr double kShare = 5e-5;
+  double whole = 0;
+  for (std::size_t i = 0; i < area.size(); ++i)
+    whole += static_cast<double>(area[i] * luminance(estimates[i].irradiance));
+  std::vector<std::uint32_t> result;
+  for (std::size_t i = 0; i < area.size(); ++i)
+    if (static_cast<double>(area[i]) * estimates[i].error > kShare * whole)
+      result.push_back(static_cast<std::uint32_t>(i));
+  return result;
 }
 
 }  // namespace
@@ -60,26 +133,27 @@ std::vector<Rgb> light_response(const Scene& scene, const Tessellation& tessella
   const auto sampler = make_light_sampler(scene, light, rays.epsilon());
   const std::size_t per_element = config.rays_per_element(light.type);
   const std::size_t n = tessellation.elements();
-  std::vector<Rgb> response(n);
-  std::atomic<std::uint64_t> cast = 0;
   progress.begin("direct light of " + light.name, n);
-  parallel_chunks(
-      0, n, std::max<std::size_t>(1, kBatch / per_element),
-      [&](std::size_t first, std::size_t last) {
-        progress.check();
-        std::vector<LightRay> batch((last - first) * per_element);
-        std::vector<Rgb> arriving(batch.size());
-        for (std::size_t i = first; i < last; ++i) {
-          sample_element(tessellation, i, *sampler, rays.epsilon(), config.seed,
-                         std::span(batch).subspan((i - first) * per_element, per_element));
-        }
-        cast += trace_light_rays(rays, *sampler, batch, arriving);
-        for (std::size_t i = first; i < last; ++i) {
-          response[i] = mean(std::span(arriving).subspan((i - first) * per_element, per_element));
-        }
-        progress.advance(last - first);
-      });
-  if (rays_cast != nullptr) *rays_cast += cast;
+  const auto ahead = [&progress](std::size_t elements) {
+    progress.check();
+    progress.advance(elements);
+  };
+
+  // Every element with few rays; then those that matter and are uncertain, anew, with many.
+  ElementLight element_light(tessellation, rays, *sampler, config.seed);
+  std::vector<std::uint32_t> all(n);
+  std::iota(all.begin(), all.end(), 0U);
+  std::vector<Estimate> estimates(n);
+  element_light.estimate(all, per_element, estimates, ahead);
+  const auto uncertain = uncertain_elements(estimates, tessellation.area);
+  std::vector<Estimate> better(uncertain.size());
+  element_light.estimate(uncertain, per_element * kMoreRays, better,
+                         [&progress](std::size_t) { progress.check(); });
+
+  std::vector<Rgb> response(n);
+  for (std::size_t i = 0; i < n; ++i) response[i] = estimates[i].irradiance;
+  for (std::size_t i = 0; i < uncertain.size(); ++i) response[uncertain[i]] = better[i].irradiance;
+  if (rays_cast != nullptr) *rays_cast += element_light.cast();
   return response;
 }
 

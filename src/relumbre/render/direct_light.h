@@ -27,8 +27,9 @@ struct DirectLightConfig {
 
 /// Irradiance in W/m² of every element (n) from one light at unit power: color · intensity = 1 and
 /// on, whatever the light says of those. So irradiance is power() times this. Occluders are
-/// whatever `rays` holds; an element is lit from the side it faces. Element i depends only on
-/// (config, light, i): the same for any number of threads. Adds the number of rays cast to
+/// whatever `rays` holds; an element is lit from the side it faces. Elements that the light's
+/// arriving power hinges on, such as those of a shade around its bulb, whose first rays disagree,
+/// get 16 times as many. The same for any number of threads. Adds the number of rays cast to
 /// *rays_cast, if given. Throws what make_light_sampler throws, and Cancelled.
 std::vector<Rgb> light_response(const Scene& scene, const Tessellation& tessellation,
                                 const RayScene& rays, const Light& light,

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -30,6 +31,9 @@ void add_box(Scene& scene, std::uint32_t material, const Vec3f& lower, const Vec
   test::add_quad(scene, material, lower, y, x);
   test::add_quad(scene, material, lower + z, x, y);
 }
+
+/// Makes all that is there so far one object, 0, and of what comes after other ones.
+void join(Scene& scene) { std::ranges::fill(scene.mesh.object, 0U); }
 
 /// Depth of what is behind the first surface along −z from (0, 0, 2); infinite where nothing is.
 float depth_behind(const Scene& scene, float separation = 0.02F) {
@@ -65,6 +69,7 @@ TEST(Behind, TheInsideOfASolidIsPassedOver) {
   const std::uint32_t m = test::add_material(scene, Rgb(0.5F));
   add_box(scene, m, {-1, -1, -1}, {1, 1, 0});
   add_box(scene, m, {-0.5F, -0.5F, -0.8F}, {0.5F, 0.5F, -0.3F});  // a part that sticks in it
+  join(scene);
   EXPECT_EQ(depth_behind(scene), kInfinity);
   add_sheet(scene, m, -4);
   EXPECT_NEAR(depth_behind(scene), 6, 1e-4F);
@@ -75,8 +80,18 @@ TEST(Behind, PartsThatReachOutOfASolidAreSolid) {
   const std::uint32_t m = test::add_material(scene, Rgb(0.5F));
   add_box(scene, m, {-1, -1, -1}, {1, 1, 0});
   add_box(scene, m, {-0.5F, -0.5F, -1.8F}, {0.5F, 0.5F, -0.3F});
+  join(scene);
   add_sheet(scene, m, -4);
   EXPECT_NEAR(depth_behind(scene), 6, 1e-4F);
+}
+
+TEST(Behind, AnotherObjectIsSeenThoughItReachesIntoTheFirst) {
+  Scene scene;
+  const std::uint32_t m = test::add_material(scene, Rgb(0.5F));
+  add_box(scene, m, {-1, -1, -1}, {1, 1, 0});
+  join(scene);
+  add_box(scene, m, {-0.5F, -0.5F, -1.8F}, {0.5F, 0.5F, -0.3F});
+  EXPECT_NEAR(depth_behind(scene), 2.3F, 1e-4F);
 }
 
 TEST(Behind, ABoxWithoutABackIsNotEndless) {

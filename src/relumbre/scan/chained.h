@@ -20,7 +20,6 @@ namespace relumbre::chained {
 /// next, and results do not overwrite elements.
 template <Work W, class Value = ValueOf<W>>
 Value scan_tiles(const Tiles& tiles, bool in_parts, W& work) {
-  constexpr std::size_t kGroup = 8;  // a quarter of a second-level cache, with the next group
   const std::size_t threads = std::min(thread_count(), tiles.count());
   if (threads < 2 || tiles.count() < W::kWorthThreads) {
     Value prefix = work.identity();
@@ -32,7 +31,7 @@ Value scan_tiles(const Tiles& tiles, bool in_parts, W& work) {
   if constexpr (W::kOnePass) {
     if (in_parts) return scan_in_parts(tiles, threads, work);
   }
-  return scan_in_relay(tiles, kGroup, threads, work);
+  return scan_in_relay(tiles, threads, work);
 }
 
 }  // namespace relumbre::chained

@@ -21,7 +21,7 @@ template <class T, class Keep, class Place>
 class CompactWork {
  public:
   static constexpr bool kOnePass = true;
-  static constexpr std::size_t kWorthThreads = 8;
+  static constexpr std::size_t kWorthThreads = 2, kGroup = 1;
 
   CompactWork(std::span<const T> in, const Keep& keep, const Place& place)
       : in_(in), keep_(keep), place_(place) {}

@@ -54,10 +54,10 @@ requires W::kOnePass class Parts {
 
   Parts(const Tiles& tiles, std::size_t count, W& work)
       : tiles_(tiles), work_(work), count_(count), parts_(new Part<Value>[count]) {
-    // A fold takes half a scan's time: so the first part is half as long again as the others.
-    const std::size_t shares = 2 * count + 1;
+    // The first part is 5/3 of the others: a fold takes half a scan's time, and threads come late.
+    const std::size_t shares = 3 * count + 2;
     for (std::size_t p = 0; p < count; ++p)
-      parts_[p].assign(p == 0 ? 0 : parts_[p - 1].last(), (2 * p + 3) * tiles.count() / shares);
+      parts_[p].assign(p == 0 ? 0 : parts_[p - 1].last(), (3 * p + 5) * tiles.count() / shares);
   }
 
   /// What one thread does: parts, until there are none.

@@ -28,7 +28,7 @@ template <Monoid M, class State, class Map, class Store>
 class RecurrenceWork {
  public:
   static constexpr bool kOnePass = false;
-  static constexpr std::size_t kWorthThreads = 8;
+  static constexpr std::size_t kWorthThreads = 2, kGroup = 1;
   using Composite = typename M::value_type;
 
   RecurrenceWork(State start, const Map& map, const Store& store)

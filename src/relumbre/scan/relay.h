@@ -28,11 +28,10 @@ class Relay {
  public:
   using Value = ValueOf<W>;
 
-  Relay(const Tiles& tiles, std::size_t group, W& work)
+  Relay(const Tiles& tiles, W& work)
       : tiles_(tiles),
-        group_(group),
         work_(work),
-        groups_((tiles.count() + group - 1) / group),
+        groups_((tiles.count() + W::kGroup - 1) / W::kGroup),
         prefixes_(groups_ + 1, work.identity()) {}
 
   /// What one thread does: groups, until there are none.
@@ -50,7 +49,7 @@ class Relay {
 
  private:
   [[nodiscard]] std::size_t first(std::size_t g) const {
-    return std::min(tiles_.count(), g * group_);
+    return std::min(tiles_.count(), g * W::kGroup);
   }
   [[nodiscard]] bool is_known(std::size_t g) const {
     return known_.load(std::memory_order_acquire) >= g;
@@ -62,13 +61,13 @@ class Relay {
     while (!wait_briefly([&] { return is_known(g); })) help(g);
     prefixes.assign(1, prefixes_[g]);
     for (const auto& fold : folds) prefixes.push_back(work_.combine(prefixes.back(), fold));
-    const std::unique_lock lock(mutex_, std::try_to_lock);
-    // Whoever has the lock is about to find the same, or will be missed and helped.
-    if (lock && known_ == g) make_known(g + 1, prefixes.back());
+    // Whoever has the lock may be folding this group, which a scan in place would overwrite.
+    const std::lock_guard lock(mutex_);
+    if (known_ == g) make_known(g + 1, prefixes.back());
   }
   std::vector<FoldOf<W>> fold(std::size_t g) {
     std::vector<FoldOf<W>> folds;
-    folds.reserve(group_);
+    folds.reserve(W::kGroup);
     for (std::size_t t = first(g); t < first(g + 1); ++t)
       folds.push_back(fold_tile(tiles_, t, work_));
     return folds;
@@ -102,7 +101,6 @@ class Relay {
   }
 
   Tiles tiles_;
-  std::size_t group_;
   W& work_;
   std::size_t groups_;
   std::vector<Value> prefixes_;  // of groups; [0, known_] are known
@@ -113,8 +111,8 @@ class Relay {
 
 /// Scans all tiles and returns the total.
 template <Work W>
-ValueOf<W> scan_in_relay(const Tiles& tiles, std::size_t group, std::size_t threads, W& work) {
-  Relay<W> relay(tiles, group, work);
+ValueOf<W> scan_in_relay(const Tiles& tiles, std::size_t threads, W& work) {
+  Relay<W> relay(tiles, work);
   parallel_chunks(0, threads, 1, [&](std::size_t, std::size_t) { relay.run(); });
   return relay.total();
 }

@@ -52,20 +52,24 @@ using DefaultPlus =
 
 namespace scan_detail {
 
-/// Short enough for threads to share an array that fits a first-level cache or two.
-inline constexpr std::size_t kTileBytes = std::size_t{16} << 10;
+/// Tiles fit the second-level cache beside what else is there.
+inline constexpr std::size_t kTileBytes = std::size_t{64} << 10;
 
 /// A whole number of granules.
 template <class In>
 inline constexpr std::size_t kTile =
     std::max<std::size_t>(kTileBytes / sizeof(In) / kRunGranule, 1) * kRunGranule;
 
+/// Where a tile takes a microsecond, threads meet at shorter ones.
+template <class In>
+inline constexpr std::size_t kKernelTile = kTile<In> / 4;
+
 /// Vectorised.
 template <ScanKind kKind, class In, class M, class Out>
 class KernelWork {
  public:
   static constexpr bool kOnePass = true;
-  static constexpr std::size_t kWorthThreads = 16;
+  static constexpr std::size_t kWorthThreads = 16, kGroup = 4;
   static constexpr auto kMember = kKernel<In, M, Out>;
   using Kernel = std::remove_cvref_t<decltype(std::declval<ScanKernels>().*kMember)>;
   using Value = typename Kernel::carry_type;
@@ -146,7 +150,7 @@ template <ScanKind kKind, Monoid M, class Load, class Store>
 class ElementWork {
  public:
   static constexpr bool kOnePass = kIsExact<M>;
-  static constexpr std::size_t kWorthThreads = 8;
+  static constexpr std::size_t kWorthThreads = 2, kGroup = 1;
   using Value = typename M::value_type;
 
   ElementWork(const M& m, const Load& load, const Store& store)
@@ -186,7 +190,8 @@ typename M::value_type scan(const char* function, std::span<const In> in, std::s
   check::in_place_or_disjoint(function, in, std::span<const Out>(out));
   if constexpr (!std::is_null_pointer_v<std::remove_cv_t<decltype(kKernel<In, M, Out>)>>) {
     KernelWork<kKind, In, M, Out> work(in, out, m);
-    return static_cast<Value>(chained::scan_tiles({in.size(), kTile<In>}, work.in_parts(), work));
+    return static_cast<Value>(
+        chained::scan_tiles({in.size(), kKernelTile<In>}, work.in_parts(), work));
   } else {
     return scan_elements<kKind>(
         in.size(), kTile<In>, m, [in](std::size_t i) { return static_cast<Value>(in[i]); },

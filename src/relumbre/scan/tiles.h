@@ -16,6 +16,7 @@ namespace relumbre::chained {
 ///   scan(first, last, prefix)   writes results; returns the same
 ///   kOnePass                    whether it has the same bits, too
 ///   kWorthThreads               how many tiles are worth a second thread
+///   kGroup                      how many a thread takes at once: two groups fit its cache
 /// and, optionally,
 ///   scan(first, last, prefix, ahead)   fetches as many elements from `ahead` on into its cache
 ///   end_thread()                       all that a thread wrote may be read by others
@@ -23,6 +24,7 @@ template <class W>
 concept Work = requires(W& w, std::size_t i) {
   { W::kOnePass } -> std::convertible_to<bool>;
   { W::kWorthThreads } -> std::convertible_to<std::size_t>;
+  { W::kGroup } -> std::convertible_to<std::size_t>;
   w.combine(w.identity(), w.fold(i, i));
   w.scan(i, i, w.identity());
 };
