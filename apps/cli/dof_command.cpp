@@ -1,10 +1,11 @@
+#include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 #include <optional>
 
 #include "cli/command.h"
 #include "cli/exposure.h"
+#include "relumbre/base/atomic_file.h"
 #include "relumbre/base/error.h"
 #include "relumbre/dof/depth_of_field.h"
 #include "relumbre/dof/focus.h"
@@ -19,7 +20,7 @@ struct Options {
                               curve = "filmic";
   std::vector<std::string> outputs;
   std::optional<double> focus_distance, vertical_fov;
-  std::string focus_pixel;
+  std::vector<std::size_t> focus_pixel;  // empty, or x and y
   DepthPictureConfig channels;
   DofConfig dof;
 };
@@ -44,20 +45,15 @@ DepthPicture load(const Options& options) {
   }
 }
 
-Pixel parse_pixel(const std::string& text) {
-  Pixel pixel;
-  int read = 0;
-  if (std::sscanf(text.c_str(), "%zu,%zu%n", &pixel.x, &pixel.y, &read) != 2 ||
-      static_cast<std::size_t>(read) != text.size()) {
-    throw CLI::ValidationError("--focus-pixel", "must read X,Y, for example 640,360, not " + text);
-  }
-  return pixel;
-}
-
 double focus(const Options& options, const DepthPicture& picture) {
   if (options.focus_distance) return *options.focus_distance;
-  if (!options.focus_pixel.empty()) return depth_at(picture, parse_pixel(options.focus_pixel));
-  return automatic_focus(picture);
+  try {
+    if (options.focus_pixel.empty()) return automatic_focus(picture);
+    return focus_on_pixel(picture.front.depth, picture.width, picture.height,
+                          options.focus_pixel[0], options.focus_pixel[1]);
+  } catch (const ValueError& error) {
+    throw FileError(options.input, error.what());
+  }
 }
 
 DofConfig dof_config(const Options& options, const DepthPicture& picture) {
@@ -86,28 +82,56 @@ void report(const DepthPicture& picture, const DofConfig& config, double seconds
   report.figure("coc_behind_px", "largest blur behind it", std::max(0.0F, far),
                 fmt::format("{:.1f} pixels", std::max(0.0F, far)));
   report.figure("second_layer", "what lies behind",
-                picture.has_behind() ? "read"
-                : config.infill      ? "guessed"
-                                     : "unknown");
+                config.method == DofMethod::kGather ? "not used"
+                : picture.has_behind()              ? "read"
+                : config.infill                     ? "guessed"
+                                                    : "unknown");
   report.figure("seconds", "computed in", seconds, seconds_text(seconds));
+}
+
+/// Bad combinations, and files that cannot be written, are found before long work.
+void check(const Options& options) {
+  std::vector<std::string> files = options.outputs;
+  if (!options.overlay.empty()) files.push_back(options.overlay);
+  for (const std::string& file : files) {
+    if (!can_save_image(file)) throw FileError(file, "cannot be written: dof writes .exr and .png");
+    const AtomicFile writable(file);
+  }
+  if (options.dof.spread.aperture.blades != 0 && options.shape != "disc") {
+    throw CLI::ValidationError("--blades", "and --shape " + options.shape + " exclude each other");
+  }
+  options.dof.spread.aperture.check();
+  if (!std::isfinite(options.dof.spread.largest_diameter)) {
+    throw CLI::ValidationError("--max-blur", "must be a number of pixels");
+  }
+  ThinLens lens = options.dof.lens;
+  // A distance that the picture is yet to tell is taken for a thousand focal lengths.
+  lens.focus_distance_m = options.focus_distance.value_or(lens.focal_length_mm);
+  lens.check();
+}
+
+void save(const Options& options, const DepthPicture& picture, const std::vector<Rgba>& result,
+          const DofConfig& config, const ToneConfig& tone, Session& session) {
+  const auto write = [&](const std::string& file, const Image& image) {
+    save_image(file, image, tone);
+    session.report.figure("output", "wrote", file);
+  };
+  const Image image = image_of(result, picture.width, picture.height);
+  for (const std::string& file : options.outputs) write(file, image);
+  if (!options.overlay.empty()) write(options.overlay, focus_overlay(picture, config.lens));
 }
 
 void run(const Options& options, Session& session) {
   ToneConfig tone = parse_exposure(options.exposure);
   tone.curve = options.curve == "filmic" ? ToneCurve::kFilmic : ToneCurve::kSrgb;
-  for (const std::string& file : options.outputs) {
-    if (!can_save_image(file)) throw FileError(file, "must end in .exr or .png");
-  }
+  check(options);
   const DepthPicture picture = load(options);
   const DofConfig config = dof_config(options, picture);
   const Stopwatch watch;
   const std::vector<Rgba> result = depth_of_field(picture, config, session.progress);
   session.progress.clear();
   report(picture, config, watch.seconds(), session);
-  const Image image = image_of(result, picture.width, picture.height);
-  for (const std::string& file : options.outputs) save_image(file, image, tone);
-  if (!options.overlay.empty())
-    save_image(options.overlay, focus_overlay(picture, config.lens), tone);
+  save(options, picture, result, config, tone, session);
 }
 
 void define_input(CLI::App& command, Options& o) {
@@ -115,10 +139,13 @@ void define_input(CLI::App& command, Options& o) {
   command.add_option("--color", o.channels.color,
                      "Prefix of the colour channels, for example ViewLayer.Combined.");
   command.add_option("--depth", o.channels.depth, "The depth channel, for example Z");
-  command.add_flag("--radial", o.channels.radial,
-                   "Depth is measured along rays, not along the camera's axis");
-  command.add_option("--vfov", o.vertical_fov,
-                     "Vertical angle of view, degrees, for --radial (default: the lens's)");
+  CLI::Option* radial = command.add_flag(
+      "--radial", o.channels.radial, "Depth is measured along rays, not along the camera's axis");
+  command
+      .add_option("--vfov", o.vertical_fov,
+                  "Vertical angle of view, degrees, for --radial (default: the lens's)")
+      ->check(CLI::Range(0.1, 179.9))
+      ->needs(radial);
   command.add_flag("--straight-alpha", o.channels.straight_alpha,
                    "Colour is not multiplied by alpha");
 }
@@ -130,7 +157,10 @@ void define_lens(CLI::App& command, Options& o) {
   command.add_option("--sensor-width", o.dof.lens.sensor_width_mm, "mm")->capture_default_str();
   CLI::Option* distance = command.add_option("--focus-distance", o.focus_distance,
                                              "m (default: what the middle shows)");
-  command.add_option("--focus-pixel", o.focus_pixel, "Focus on what is at this pixel: X,Y")
+  command.add_option("--focus-pixel", o.focus_pixel, "X,Y: focus on what is seen there")
+      ->delimiter(',')
+      ->expected(2)
+      ->check(CLI::NonNegativeNumber)
       ->excludes(distance);
 }
 
@@ -159,7 +189,9 @@ void define(CLI::App& command, Options& o) {
   define_input(command, o);
   define_lens(command, o);
   define_blur(command, o);
-  command.add_option("-o,--output", o.outputs, "Pictures to write (.exr or .png)")->required();
+  command.add_option("-o,--output", o.outputs, "Picture to write: .png or .exr (repeatable)")
+      ->allow_extra_args(false)
+      ->required();
   command.add_option("--overlay", o.overlay,
                      "Also write what is in focus: red before it, blue behind it");
   command.add_option("--exposure", o.exposure, "Of PNG: auto, or stops")->capture_default_str();

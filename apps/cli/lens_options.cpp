@@ -8,7 +8,9 @@ ThinLens LensOptions::focused(std::span<const float> depth, std::size_t width,
   if (focus_distance) {
     result.focus_distance_m = *focus_distance;
   } else if (!focus_pixel.empty()) {
-    result.focus_distance_m = focus_on_pixel(depth, width, height, focus_pixel[0], focus_pixel[1]);
+    result.focus_distance_m =
+        focus_on_pixel(depth, width, height, static_cast<std::size_t>(focus_pixel[0]),
+                       static_cast<std::size_t>(focus_pixel[1]));
   } else if (focus == "nearest") {
     result.focus_distance_m = focus_on_nearest(depth);
   } else {
@@ -34,7 +36,11 @@ void add_lens_options(CLI::App& command, LensOptions& o) {
   CLI::Option* pixel =
       command.add_option("--focus-pixel", o.focus_pixel, "X,Y: focus on what is seen there");
   distance->group(group);
-  pixel->delimiter(',')->expected(2)->excludes(distance)->group(group);
+  pixel->delimiter(',')
+      ->expected(2)
+      ->check(CLI::NonNegativeNumber)
+      ->excludes(distance)
+      ->group(group);
   command.add_option("--focus", o.focus, "On the picture's center, or the nearest surface")
       ->check(CLI::IsMember({"center", "nearest"}))
       ->excludes(distance)

@@ -17,7 +17,7 @@ struct LensOptions {
   ThinLens lens;
   Aperture aperture;
   std::optional<double> focus_distance;
-  std::vector<std::size_t> focus_pixel;  ///< empty, or x and y
+  std::vector<int> focus_pixel;  ///< empty, or x and y
   std::string focus = "center";          ///< center or nearest
 
   /// True if the depth of the picture decides what is in focus.

@@ -152,6 +152,7 @@ void run(Options options, Session& session) {
 void define(CLI::App& command, Options& o) {
   add_store_options(command, o.store);
   command.add_option("-o,--output", o.outputs, "Picture to write: .png or .exr (repeatable)")
+      ->allow_extra_args(false)
       ->required();
   command.add_option("--camera", o.camera, "auto, a camera of the scene by name, or cam.json")
       ->capture_default_str();

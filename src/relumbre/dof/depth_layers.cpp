@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "relumbre/base/error.h"
+
 namespace relumbre {
 
 namespace {
@@ -28,6 +30,7 @@ class LayerOf {
 
 DepthLayers sort_into_layers(std::span<const Fragment> fragments, std::size_t height,
                              std::size_t layers) {
+  if (layers == 0) throw ValueError("layers: 0 asked, at least 1 is needed");
   const LayerOf layer_of(fragments, layers);
   const auto row_of = [&](const Fragment& f) { return layer_of(f.coc) * height + f.y; };
   DepthLayers result{.height = height,

@@ -27,7 +27,7 @@ struct DepthLayers {
 };
 
 /// A stable sort in O(fragments + layers · height). `fragments` is not empty and has fewer than
-/// 2^32.
+/// 2^32. Throws ValueError for 0 layers.
 DepthLayers sort_into_layers(std::span<const Fragment> fragments, std::size_t height,
                              std::size_t layers);
 

@@ -20,8 +20,8 @@ enum class DofMethod {
 struct DofConfig {
   ThinLens lens = {};
   DofMethod method = DofMethod::kSpread;
-  /// The box of `gather` and `layered` has the area of the circle of confusion; its shape and the
-  /// aperture are of `spread` alone.
+  /// The box of `gather` and `layered` is as wide as the circle of confusion; shape and aperture
+  /// are of `spread` alone.
   SpreadConfig spread = {};
   /// Where the picture does not say what lies behind, guess it: see infill.h. Not for `gather`.
   bool infill = false;

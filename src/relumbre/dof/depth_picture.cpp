@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -28,7 +29,18 @@ bool has_color(const Image& image, const std::string& prefix) {
   return image.has(prefix + "R") && image.has(prefix + "G") && image.has(prefix + "B");
 }
 
-/// Prefix of the colour: the plain one first, then the first layer that has R, G and B.
+/// Prefix of the first channel that ends so and has R, G and B.
+std::optional<std::string> find_prefix(const Image& image, std::string_view end) {
+  for (const auto& channel : image.channels()) {
+    if (!channel.name.ends_with(end) || channel.name.starts_with("layer1.")) continue;
+    std::string prefix = channel.name.substr(0, channel.name.size() - 1);
+    if (has_color(image, prefix)) return prefix;
+  }
+  return std::nullopt;
+}
+
+/// Prefix of the colour: the plain one first, then Blender's, whose other passes (AO, DiffCol) are
+/// colours too, then the first layer that has R, G and B.
 std::string find_color(const Image& image, const std::string& asked) {
   if (asked != DepthPictureConfig::kFind) {
     if (has_color(image, asked)) return asked;
@@ -36,11 +48,8 @@ std::string find_color(const Image& image, const std::string& asked) {
         fmt::format("no channels {0}R, {0}G, {0}B; there are: {1}", asked, names_of(image)));
   }
   if (has_color(image, "")) return "";
-  for (const auto& channel : image.channels()) {
-    if (!channel.name.ends_with(".R") || channel.name.starts_with("layer1.")) continue;
-    const std::string prefix = channel.name.substr(0, channel.name.size() - 1);
-    if (has_color(image, prefix)) return prefix;
-  }
+  if (const auto combined = find_prefix(image, "Combined.R")) return *combined;
+  if (const auto any = find_prefix(image, ".R")) return *any;
   throw ValueError(fmt::format("no channels R, G, B; there are: {}", names_of(image)));
 }
 
@@ -135,11 +144,12 @@ DepthPicture depth_picture(const Image& image, const DepthPictureConfig& config)
   if (config.radial && !(config.pixels_per_tangent > 0)) {
     throw ValueError("radial depth: the camera's angle of view is needed");
   }
+  const std::string color = find_color(image, config.color);
+  const std::string depth = find_depth(image, config.depth);
   DepthPicture picture;
   picture.width = image.width();
   picture.height = image.height();
-  picture.front = read_layer(image, find_color(image, config.color),
-                             find_depth(image, config.depth), config.straight_alpha, kInfinity);
+  picture.front = read_layer(image, color, depth, config.straight_alpha, kInfinity);
   if (has_color(image, "layer1.") && image.has("layer1.Z")) {
     picture.behind = read_layer(image, "layer1.", "layer1.Z", config.straight_alpha, 0);
   }

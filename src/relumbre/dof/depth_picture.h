@@ -39,10 +39,10 @@ struct DepthPicture {
 /// Where colour and depth are in an image, and what they mean.
 struct DepthPictureConfig {
   /// Colour's prefix: "" for R, G, B; "ViewLayer.Combined." for what Blender writes. By itself
-  /// (kFind), the first of the known ones that is there.
+  /// (kFind), R, G, B; else the first that ends in "Combined."; else the first with R, G and B.
   std::string color = kFind;
-  /// The depth channel: by itself, `Z`, `depth.Z`, `Depth.Z`, or the first that ends in ".Z" or
-  /// ".V" after Depth.
+  /// The depth channel: by itself, `Z`, or else the first that ends in Depth.Z, depth.Z, Depth.V or
+  /// depth.V.
   std::string depth = kFind;
   /// Depth is the distance along the ray, not along the camera's axis. It is converted with
   /// `pixels_per_tangent`: the length in pixels of a metre at a depth of one metre.

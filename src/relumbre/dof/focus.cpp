@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "relumbre/base/error.h"
 #include "relumbre/base/parallel.h"
 
@@ -41,6 +43,7 @@ double automatic_focus(const DepthPicture& picture) {
 std::vector<float> circles_of_confusion(std::span<const float> depth, const ThinLens& lens,
                                         std::size_t width, double largest) {
   lens.check();
+  if (!(largest >= 0)) throw ValueError(fmt::format("largest blur: {} pixels", largest));
   std::vector<float> circles(depth.size());
   parallel_for(0, depth.size(), kGrain, [&](std::size_t i) {
     if (depth[i] == 0) return;  // not known

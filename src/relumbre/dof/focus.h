@@ -17,6 +17,7 @@ double automatic_focus(const DepthPicture& picture);
 
 /// Signed diameter of the circle of confusion of every depth, in pixels of a picture `width` wide,
 /// no larger than `largest` either way. Negative before the plane in focus. 0 of a depth of 0.
+/// Throws ValueError for a largest blur below 0 or NaN, and what ThinLens::check() throws.
 std::vector<float> circles_of_confusion(std::span<const float> depth, const ThinLens& lens,
                                         std::size_t width, double largest);
 

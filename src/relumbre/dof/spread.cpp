@@ -105,13 +105,15 @@ std::vector<Rgba> spread(const DepthPicture& picture, const ThinLens& lens,
                          const SpreadConfig& config, Progress& progress) {
   picture.check();
   const auto circles = [&](const PictureLayer& layer) {
-    return circles_of_confusion(layer.depth, lens, picture.width, config.largest_diameter);
+    return circles_of_confusion(layer.depth, lens, picture.width,
+                                std::min(config.largest_diameter, ApertureKernels::kLargest));
   };
   const std::vector<float> front = circles(picture.front), behind = circles(picture.behind);
   const DepthLayers layers =
       sort_into_layers(fragments_of(picture, front, behind), picture.height, config.layers);
-  const ApertureKernels kernels(config.shape, config.aperture,
-                                static_cast<double>(std::ranges::max(layers.reach)));
+  const ApertureKernels kernels(
+      config.shape, config.aperture,
+      std::min(static_cast<double>(std::ranges::max(layers.reach)), ApertureKernels::kLargest));
   const Work work{picture, layers, kernels};
   const bool box = config.shape == BlurShape::kBox, solid = opaque(picture);
   const auto spread_rows =

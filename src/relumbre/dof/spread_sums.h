@@ -105,7 +105,9 @@ class SpreadSums {
       spread_box(light, kernel, across, down);
     } else {
       const Tilt tilt = tilt_of(fragment, kernel);
-      for (int v = down.first; v <= down.last; ++v)
+      const int begin = std::max(down.first, first_ - kernel.bottom() + 1),
+                end = std::min(down.last, last_ - 1 - kernel.top);
+      for (int v = begin; v <= end; ++v)
         for (int u = across.first; u <= across.last; ++u) spread_rows(light, kernel, tilt, u, v);
     }
   }

@@ -1,0 +1,153 @@
+#include "relumbre/dof/layered.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "relumbre/base/error.h"
+#include "relumbre/base/parallel.h"
+#include "relumbre/dof/depth_layers.h"
+#include "relumbre/dof/focus.h"
+#include "relumbre/dof/slow_box_testing.h"
+#include "relumbre/dof/test_pictures.h"
+
+namespace relumbre {
+namespace {
+
+using test::add_rectangle, test::noise, test::plane, test::scatter_depths, test::slow_box;
+
+constexpr Rgba kRed{1, 0, 0, 1}, kBlue{0, 0, 1, 1};
+
+/// In focus at 2 m; so many pixels of blur at `depth`.
+ThinLens blurring(double pixels, std::size_t width, double depth) {
+  ThinLens lens{.focal_length_mm = 50, .f_number = 1, .focus_distance_m = 2, .sensor_width_mm = 36};
+  lens.f_number = lens.coc_diameter_pixels(depth, width) / pixels;
+  return lens;
+}
+
+void expect_near(const std::vector<Rgba>& a, const std::vector<Rgba>& b, float tolerance) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    ASSERT_NEAR(a[i].r, b[i].r, tolerance) << i;
+    ASSERT_NEAR(a[i].g, b[i].g, tolerance) << i;
+    ASSERT_NEAR(a[i].b, b[i].b, tolerance) << i;
+    ASSERT_NEAR(a[i].a, b[i].a, tolerance) << i;
+  }
+}
+
+/// Every layer by itself, from back to front.
+std::vector<Rgba> slow_layered(const DepthPicture& picture, const ThinLens& lens,
+                               const LayeredConfig& config) {
+  const auto circles = [&](const PictureLayer& layer) {
+    return circles_of_confusion(layer.depth, lens, picture.width, config.largest_diameter);
+  };
+  const DepthLayers layers =
+      sort_into_layers(fragments_of(picture, circles(picture.front), circles(picture.behind)),
+                       picture.height, config.layers);
+  std::vector<Rgba> result(picture.pixels());
+  for (std::size_t layer = config.layers; layer-- > 0;) {
+    const auto fragments = layers.rows(layer, 0, picture.height);
+    if (fragments.empty()) continue;
+    std::vector<Rgba> canvas(picture.pixels());
+    double circle = 0;
+    for (const Fragment& f : fragments) {
+      Rgba& c = canvas[f.y * picture.width + f.x];
+      c = {c.r + f.color.r, c.g + f.color.g, c.b + f.color.b, c.a + f.color.a};
+      circle += static_cast<double>(f.coc) / static_cast<double>(fragments.size());
+    }
+    const auto radius = static_cast<float>(std::max((std::abs(circle) - 1) / 2, 0.0));
+    canvas = slow_box(canvas, picture.width, picture.height,
+                      std::vector<float>(picture.pixels(), radius));
+    for (std::size_t i = 0; i < result.size(); ++i) {
+      const float rest = 1 - std::min(canvas[i].a, 1.0F);
+      result[i] = {canvas[i].r + rest * result[i].r, canvas[i].g + rest * result[i].g,
+                   canvas[i].b + rest * result[i].b, canvas[i].a + rest * result[i].a};
+    }
+  }
+  return result;
+}
+
+TEST(Layered, ConstantPictureStaysConstant) {
+  for (const float depth : {0.7F, 2.0F, 9.0F, std::numeric_limits<float>::infinity()}) {
+    const DepthPicture picture = plane(83, 61, depth);
+    expect_near(layered(picture, blurring(20, 83, 1)), picture.front.color, 1e-6F);
+  }
+}
+
+TEST(Layered, WhatIsInFocusIsUntouched) {
+  const DepthPicture picture = noise(83, 61, 2);
+  expect_near(layered(picture, blurring(20, 83, 1)), picture.front.color, 1e-6F);
+}
+
+TEST(Layered, IsLayersBlurredAndLaidOverOneAnother) {
+  for (const auto& [width, height] : {std::pair{1U, 1U}, {1U, 40U}, {40U, 1U}, {31U, 23U}}) {
+    DepthPicture picture = noise(width, height, 2);
+    scatter_depths(picture, 0.9F, 9);
+    picture.behind = noise(width, height, 12).front;
+    for (const std::size_t layers : {1U, 2U, 7U}) {
+      const ThinLens lens = blurring(12, width, 1);
+      const LayeredConfig config{.layers = layers, .largest_diameter = 20};
+      expect_near(layered(picture, lens, config), slow_layered(picture, lens, config), 4e-6F);
+    }
+  }
+}
+
+TEST(Layered, SharpForegroundDoesNotBleedIntoABlurredBackground) {
+  DepthPicture picture = plane(120, 40, 9, kBlue);
+  add_rectangle(picture, 40, 80, 0, 40, 2, kRed);
+  picture.behind = plane(120, 40, 9, kBlue).front;
+  const auto result = layered(picture, blurring(20, 120, 9));
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    const bool foreground = i % 120 >= 40 && i % 120 < 80;
+    ASSERT_NEAR(result[i].r, foreground ? 1 : 0, 1e-4F) << i % 120;
+    ASSERT_NEAR(result[i].b, foreground ? 0 : result[i].a, 1e-4F) << i % 120;
+  }
+}
+
+TEST(Layered, BlurredForegroundHasASoftSilhouetteOnBothSides) {
+  constexpr std::size_t kWidth = 160, kEdge = 80;
+  DepthPicture picture = plane(kWidth, 40, 2, kBlue);
+  add_rectangle(picture, 0, kEdge, 0, 40, 1, kRed);
+  picture.behind = plane(kWidth, 40, 2, kBlue).front;
+  const auto result = layered(picture, blurring(30, kWidth, 1));
+  const Rgba* row = &result[20 * kWidth];
+  // A box of width 30 over the edge: a ramp.
+  for (int d = -20; d < 20; ++d) {
+    const double share = std::clamp(0.5 - (d + 0.5) / 30.0, 0.0, 1.0);
+    const Rgba& c = row[static_cast<int>(kEdge) + d];
+    EXPECT_NEAR(c.r, share, 0.01) << d;
+    EXPECT_NEAR(c.b, 1 - share, 0.01) << d;
+  }
+}
+
+TEST(Layered, TransparentPicturesStayTransparent) {
+  DepthPicture picture = plane(60, 50, 4, {});
+  add_rectangle(picture, 20, 40, 15, 35, 4, {0.5F, 0, 0, 0.5F});
+  const auto result = layered(picture, blurring(6, 60, 4));
+  for (const Rgba& c : result) ASSERT_NEAR(c.r, c.a, 1e-6F);
+  EXPECT_NEAR(result[25 * 60 + 30].a, 0.5, 1e-5);
+  EXPECT_NEAR(result[0].a, 0, 1e-6);
+}
+
+TEST(Layered, DoesNotDependOnTheNumberOfThreads) {
+  DepthPicture picture = noise(130, 110, 2);
+  scatter_depths(picture, 0.8F, 30);
+  const auto whole = layered(picture, blurring(20, 130, 1));
+  const ThreadLimit one(1);
+  EXPECT_EQ(layered(picture, blurring(20, 130, 1)), whole);
+}
+
+TEST(Layered, RefusesBadDepthAndLenses) {
+  DepthPicture picture = plane(8, 8, 2);
+  picture.front.depth[5] = -1;
+  EXPECT_THROW((void)layered(picture, {}), ValueError);
+  ThinLens lens;
+  lens.f_number = 0;
+  EXPECT_THROW((void)layered(plane(8, 8, 2), lens), ValueError);
+  EXPECT_THROW((void)layered(DepthPicture{}, {}), ShapeError);
+}
+
+}  // namespace
+}  // namespace relumbre

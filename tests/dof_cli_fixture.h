@@ -1,0 +1,94 @@
+/// Runs `relumbre dof` in a folder that the tests of a suite share.
+#pragma once
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <iterator>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include "relumbre/base/atomic_file.h"
+#include "relumbre/base/sampling.h"
+#include "relumbre/base/temporary_folder.h"
+#include "relumbre/image/exr.h"
+#include "relumbre/image/image_io.h"
+
+namespace relumbre {
+
+namespace fs = std::filesystem;
+
+class DofFixture : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new TemporaryFolder;
+    save("small.exr", noise(37, 23));
+  }
+  static void TearDownTestSuite() {
+    delete folder_;
+    folder_ = nullptr;
+  }
+
+  static int shell(const std::string& command) {
+    const std::string line =
+        "cd '" + folder_->path().string() + "' && { " + command + "; } >out.txt 2>err.txt";
+    const int raw = std::system(line.c_str());
+    return WIFEXITED(raw) ? WEXITSTATUS(raw) : -1;
+  }
+  static int run(const std::string& arguments) {
+    return shell(std::string(RELUMBRE_PROGRAM) + " " + arguments);
+  }
+  static int dof(const std::string& arguments) { return run("dof " + arguments); }
+  static std::string read(const std::string& name) { return read_file(*folder_ / name); }
+  static Image image(const std::string& name) { return load_image(*folder_ / name); }
+  static bool exists(const std::string& name) { return fs::exists(*folder_ / name); }
+  static fs::path path(const std::string& name) { return *folder_ / name; }
+  static void save(const std::string& name, const Image& image) { write_exr(path(name), image); }
+  static auto files() {
+    return std::distance(fs::directory_iterator(folder_->path()), fs::directory_iterator());
+  }
+
+  /// One line on standard error with every one of the reasons; nothing is written.
+  static void expect_refused(const std::string& arguments, int status,
+                             const std::vector<std::string>& reasons,
+                             const std::string& output = "-o refused.exr") {
+    ASSERT_EQ(shell("true"), 0);
+    const auto before = files();
+    EXPECT_EQ(dof(arguments + " " + output), status) << arguments << read("err.txt");
+    const std::string error = read("err.txt");
+    for (const std::string& reason : reasons)
+      EXPECT_NE(error.find(reason), std::string::npos) << arguments << ": " << error;
+    if (status == 1) {
+      EXPECT_TRUE(error.starts_with("relumbre: ")) << error;
+      EXPECT_EQ(std::ranges::count(error, '\n'), 1) << error;
+    }
+    EXPECT_EQ(files(), before) << arguments;
+  }
+
+  /// Colours and depths at random.
+  static Image noise(std::size_t width, std::size_t height) {
+    const std::vector<std::string> names{"R", "G", "B", "A", "Z"};
+    Image result(width, height, names);
+    RandomStream random(width);
+    for (const char* name : {"R", "G", "B"})
+      for (float& v : result.channel(name)) v = random.uniform();
+    std::ranges::fill(result.channel("A"), 1.0F);
+    for (float& z : result.channel("Z")) z = 1 + 8 * random.uniform();
+    return result;
+  }
+  /// The same planes by other names.
+  static Image renamed(const Image& image, const std::vector<std::string>& names) {
+    Image result(image.width(), image.height(), names);
+    for (std::size_t i = 0; i < names.size(); ++i)
+      std::ranges::copy(image.channels()[i].values, result.channel(names[i]).begin());
+    return result;
+  }
+
+ private:
+  inline static TemporaryFolder* folder_ = nullptr;
+};
+
+}  // namespace relumbre
