@@ -15,8 +15,6 @@ namespace {
 
 /// Rows of the picture that are worked on together: their sums stay in a core's cache.
 constexpr std::size_t kStripe = 48;
-/// A box's steps fall into few rows, so that larger stripes repeat less.
-constexpr std::size_t kBoxStripe = 360;
 
 /// Share of a pixel that blurs of a total weight cover. Where circles of confusion change from
 /// pixel to pixel, the weights of one surface add up to a little less than 1, and what lies behind,
@@ -122,12 +120,11 @@ std::vector<Rgba> spread(const DepthPicture& picture, const ThinLens& lens,
 
   std::vector<Rgba> result(picture.pixels());
   progress.begin("spreading", picture.height);
-  parallel_chunks(0, picture.height, box ? kBoxStripe : kStripe,
-                  [&](std::size_t first, std::size_t last) {
-                    progress.check();
-                    spread_rows(work, first, last, result);
-                    progress.advance(last - first);
-                  });
+  parallel_chunks(0, picture.height, kStripe, [&](std::size_t first, std::size_t last) {
+    progress.check();
+    spread_rows(work, first, last, result);
+    progress.advance(last - first);
+  });
   return result;
 }
 

@@ -209,7 +209,7 @@ class SpreadSums {
       for (const AxisStep& step :
            {AxisStep{from(at + span.begin), 1 - rise}, AxisStep{from(at + span.begin + 1), rise},
             AxisStep{from(at + span.end), fall - 1}, AxisStep{from(at + span.end + 1), -fall}})
-        if (step.at < end) steps.push_back(step);
+        append(step, end, steps);
       return;
     }
     const int last = std::min(repeats.last + span.end + 2, end);
@@ -225,6 +225,15 @@ class SpreadSums {
     for (int at = first; at < last; ++at) {
       const double scale = summed_[static_cast<std::size_t>(at - first)];
       if (scale != 0) steps.push_back({at, scale});
+    }
+  }
+  /// Two steps at one place are one.
+  static void append(const AxisStep& step, int end, std::vector<AxisStep>& steps) {
+    if (step.at >= end) return;
+    if (!steps.empty() && steps.back().at == step.at) {
+      steps.back().scale += step.scale;
+    } else {
+      steps.push_back(step);
     }
   }
 
