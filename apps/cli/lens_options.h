@@ -18,7 +18,7 @@ struct LensOptions {
   Aperture aperture;
   std::optional<double> focus_distance;
   std::vector<int> focus_pixel;  ///< empty, or x and y
-  std::string focus = "center";          ///< center or nearest
+  std::string focus = "center";  ///< center or nearest
 
   /// True if the depth of the picture decides what is in focus.
   [[nodiscard]] bool needs_depth() const { return !focus_distance; }
