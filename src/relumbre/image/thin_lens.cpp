@@ -80,9 +80,9 @@ Vec2f Aperture::point(float u, float v) const {
   const double step = 2 * std::numbers::pi / blades;
   const double from = rotation_deg * std::numbers::pi / 180 + sector * step;
   const Vec2f weight = square_to_triangle(static_cast<float>(along - sector), v);
-  const Vec2f a(static_cast<float>(std::cos(from)), static_cast<float>(std::sin(from)));
-  const Vec2f b(static_cast<float>(std::cos(from + step)),
-                static_cast<float>(std::sin(from + step)));
+  const Vec2f a{static_cast<float>(std::cos(from)), static_cast<float>(std::sin(from))};
+  const Vec2f b{static_cast<float>(std::cos(from + step)),
+                static_cast<float>(std::sin(from + step))};
   return a * weight.x + b * weight.y;
 }
 
