@@ -1,6 +1,8 @@
 #include "relumbre/scan/kernels.h"
 
 #include <cmath>
+#include <iterator>
+#include <numeric>
 
 // Arrays of vectors need vectors of a known size.
 #define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
@@ -40,6 +42,7 @@ struct Blocks {
     return 0;
   }
   static std::size_t fold(const In*, std::size_t, Carry&) { return 0; }
+  static std::size_t quick_fold(const In*, std::size_t, Carry&) { return 0; }
 };
 
 #else
@@ -91,6 +94,21 @@ class LaneCarry {
   HWY_INLINE void end_block() {}
   [[nodiscard]] Scalar local() const { return hn::GetLane(local_); }
 
+  /// Folds lane by lane.
+  class Lanes {
+   public:
+    Lanes() : lanes_(hn::Set(typename Op::D(), M().identity())) {}
+    HWY_INLINE void add(V v) { lanes_ = Op::apply(lanes_, v); }
+    [[nodiscard]] Scalar fold() const {
+      alignas(64) Scalar lane[hn::MaxLanes(typename Op::D())];
+      hn::Store(lanes_, typename Op::D(), lane);
+      return std::accumulate(std::begin(lane), std::end(lane), M().identity(), M());
+    }
+
+   private:
+    V lanes_;
+  };
+
  private:
   V prefix_, local_, base_;
 };
@@ -120,6 +138,20 @@ class WideCarry {
   }
   HWY_INLINE void end_block() { local_ += static_cast<double>(hn::GetLane(total_)); }
   [[nodiscard]] double local() const { return local_; }
+
+  class Lanes {
+   public:
+    Lanes() {}  // not implicit: GCC would compile that for no instruction set
+    HWY_INLINE void add(V v) {
+      low_.add(hn::PromoteTo(Wide(), hn::LowerHalf(v)));
+      high_.add(hn::PromoteTo(Wide(), hn::UpperHalf(hn::Half<Op::D>(), v)));
+    }
+    [[nodiscard]] double fold() const { return low_.fold() + high_.fold(); }
+
+   private:
+    using Wide = PlusLanes<double>::D;
+    LaneCarry<PlusLanes<double>, Plus<double>>::Lanes low_, high_;
+  };
 
  private:
   double prefix_, local_;
@@ -152,6 +184,14 @@ class Blocks {
     return i;
   }
 
+  static std::size_t quick_fold(const In* in, std::size_t count, Carry& total) {
+    typename CarryState::Lanes lanes;
+    std::size_t i = 0;
+    for (; i + kBlock <= count; i += kBlock) lanes.add(fold_rows<kBlock / kLanes>(in + i));
+    total = lanes.fold();
+    return i;
+  }
+
  private:
   using T = typename Op::Lane;
   using D = typename Op::D;
@@ -171,6 +211,14 @@ class Blocks {
       const hn::Rebind<Out, D> narrow;
       hn::StoreU(hn::DemoteTo(narrow, v), narrow, p);
     }
+  }
+  /// Of so many vectors, lane by lane, in pairs.
+  template <std::size_t kCount>
+  static HWY_INLINE V fold_rows(const In* in) {
+    if constexpr (kCount == 1)
+      return load(in);
+    else
+      return Op::apply(fold_rows<kCount / 2>(in), fold_rows<kCount / 2>(in + kCount / 2 * kLanes));
   }
   /// Strips of a group, scanned.
   static HWY_INLINE void load_strips(const In* in, V (&row)[kRows]) {
@@ -246,7 +294,17 @@ struct Scan {
     return local;
   }
 
-  static constexpr ScanKernel<In, Carry, Out> kernel() { return {fold, scan<true>, scan<false>}; }
+  static Carry quick_fold(const In* in, std::size_t count) {
+    const M m;
+    Carry total = m.identity();
+    for (std::size_t i = Vectors::quick_fold(in, count, total); i < count; ++i)
+      total = m(total, static_cast<Carry>(in[i]));
+    return total;
+  }
+
+  static constexpr ScanKernel<In, Carry, Out> kernel() {
+    return {fold, quick_fold, scan<true>, scan<false>};
+  }
 };
 
 template <class In, class T, class Out>

@@ -3,7 +3,8 @@
 /// A kernel works on a run of one tile. `prefix` is the fold of all tiles before, `local` that of
 /// the tile's elements before the run; every kernel returns `local` extended by the run. A tile may
 /// be cut into runs at multiples of kRunGranule without a change in any bit. scan's output has the
-/// bits of prefix ∘ (local ∘ ...), and fold returns the same bits as the scans.
+/// bits of prefix ∘ (local ∘ ...). fold returns the same bits as the scans; quick_fold folds whole
+/// tiles in an order of its own, in less than half of fold's time where order matters to the bits.
 #pragma once
 
 #include <cstddef>
@@ -21,6 +22,7 @@ template <class In, class Carry, class Out>
 struct ScanKernel {
   using carry_type = Carry;
   Carry (*fold)(const In* in, std::size_t count, Carry local);
+  Carry (*quick_fold)(const In* in, std::size_t count);
   /// `out` may be `in`.
   Carry (*inclusive)(const In* in, std::size_t count, Out* out, Carry prefix, Carry local);
   Carry (*exclusive)(const In* in, std::size_t count, Out* out, Carry prefix, Carry local);

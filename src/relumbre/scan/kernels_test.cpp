@@ -30,6 +30,8 @@ void expect_matches_loop(const ScanKernel<In, Carry, Out>& kernel, M m, In low, 
     const Carry total = kernel.inclusive(in.data(), size, inclusive.data(), prefix, local);
     EXPECT_EQ(kernel.exclusive(in.data(), size, exclusive.data(), prefix, local), total);
     EXPECT_EQ(kernel.fold(in.data(), size, local), total) << "a fold has a scan's bits";
+    EXPECT_NEAR(static_cast<double>(m(m(prefix, local), kernel.quick_fold(in.data(), size))),
+                static_cast<double>(m(prefix, total)), tolerance);
     Carry sum = before;
     for (std::size_t i = 0; i < size; ++i) {
       EXPECT_NEAR(static_cast<double>(exclusive[i]), static_cast<double>(sum), tolerance) << i;

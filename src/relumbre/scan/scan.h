@@ -36,14 +36,12 @@
 
 #include "relumbre/scan/chained.h"
 #include "relumbre/scan/check.h"
+#include "relumbre/scan/kernel_work.h"
 #include "relumbre/scan/kernels.h"
 #include "relumbre/scan/monoid.h"
 #include "relumbre/scan/sequential.h"
-#include "relumbre/scan/stream_writer.h"
 
 namespace relumbre {
-
-enum class ScanKind { kInclusive, kExclusive };
 
 /// What sums In into Out without loss: never narrower than Out, and wider for float32.
 template <class In, class Out>
@@ -51,99 +49,6 @@ using DefaultPlus =
     Plus<std::conditional_t<std::is_same_v<Out, float> && !std::is_same_v<In, float>, double, Out>>;
 
 namespace scan_detail {
-
-/// Tiles fit the second-level cache beside what else is there.
-inline constexpr std::size_t kTileBytes = std::size_t{64} << 10;
-
-/// A whole number of granules.
-template <class In>
-inline constexpr std::size_t kTile =
-    std::max<std::size_t>(kTileBytes / sizeof(In) / kRunGranule, 1) * kRunGranule;
-
-/// Where a tile takes a microsecond, threads meet at shorter ones.
-template <class In>
-inline constexpr std::size_t kKernelTile = kTile<In> / 4;
-
-/// Vectorised.
-template <ScanKind kKind, class In, class M, class Out>
-class KernelWork {
- public:
-  static constexpr bool kOnePass = true;
-  static constexpr std::size_t kWorthThreads = 16, kGroup = 4;
-  static constexpr auto kMember = kKernel<In, M, Out>;
-  using Kernel = std::remove_cvref_t<decltype(std::declval<ScanKernels>().*kMember)>;
-  using Value = typename Kernel::carry_type;
-  using Combine =
-      std::conditional_t<std::is_same_v<M, Plus<typename M::value_type>>, Plus<Value>, M>;
-
-  KernelWork(std::span<const In> in, std::span<Out> out, const M&)
-      : kernel_(best_scan_kernels().*kMember),
-        in_(in.data()),
-        size_(in.size()),
-        out_(out.data()),
-        in_place_(static_cast<const void*>(in_) == static_cast<const void*>(out_)),
-        outgrows_(outgrows_cache(in.size_bytes() + (in_place_ ? 0 : out.size_bytes()))) {}
-
-  [[nodiscard]] bool in_parts() const { return !in_place_ && !outgrows_; }
-
-  [[nodiscard]] Value identity() const { return Combine().identity(); }
-  [[nodiscard]] Value combine(Value a, Value b) const { return Combine()(a, b); }
-  [[nodiscard]] Value fold(std::size_t first, std::size_t last) const {
-    return kernel_.fold(in_ + first, last - first, identity());
-  }
-  Value scan(std::size_t first, std::size_t last, Value prefix) const {
-    return scan(first, last, prefix, size_);
-  }
-  Value scan(std::size_t first, std::size_t last, Value prefix, std::size_t ahead) const {
-    if (!outgrows_) return combine(prefix, run(first, last, out_ + first, prefix, identity()));
-    if (in_place_) return combine(prefix, scan_in_place(first, last, prefix, ahead));
-    return combine(prefix, stream(first, last, prefix, ahead));
-  }
-  void end_thread() const {
-    if (outgrows_) end_streaming();
-  }
-
- private:
-  Value run(std::size_t first, std::size_t last, Out* to, Value prefix, Value local) const {
-    const auto scan = kKind == ScanKind::kInclusive ? kernel_.inclusive : kernel_.exclusive;
-    return scan(in_ + first, last - first, to, prefix, local);
-  }
-  Value scan_in_place(std::size_t first, std::size_t last, Value prefix, std::size_t ahead) const {
-    Value local = identity();
-    for (std::size_t i = first; i < last; i += kRun, ahead += kRun) {
-      fetch(ahead);
-      local = run(i, std::min(i + kRun, last), out_ + i, prefix, local);
-    }
-    return local;
-  }
-  Value stream(std::size_t first, std::size_t last, Value prefix, std::size_t ahead) const {
-    StreamWriter<Out> writer(out_ + first);
-    Value local = identity();
-    for (std::size_t i = first; i < last; i += kRun, ahead += kRun) {
-      const std::size_t end = std::min(i + kRun, last);
-      fetch(ahead);
-      local = run(i, end, writer.buffer(), prefix, local);
-      writer.commit(end - i);
-    }
-    writer.finish();
-    return local;
-  }
-
-  static constexpr std::size_t kRun = StreamWriter<Out>::kRun;
-
-  /// Asks for the run at `first`.
-  [[gnu::always_inline]] void fetch(std::size_t first) const {
-    constexpr std::size_t kLine = 64 / sizeof(In);
-    const std::size_t last = std::min(size_, first + kRun);
-    for (std::size_t i = first; i < last; i += kLine) __builtin_prefetch(in_ + i, 0, 2);
-  }
-
-  const Kernel& kernel_;
-  const In* in_;
-  std::size_t size_;
-  Out* out_;
-  bool in_place_, outgrows_;
-};
 
 /// Element by element: load(i) gives a value, store(i, value) takes a result.
 template <ScanKind kKind, Monoid M, class Load, class Store>
@@ -189,9 +94,7 @@ typename M::value_type scan(const char* function, std::span<const In> in, std::s
   check::same_size(function, "output", out.size(), in.size());
   check::in_place_or_disjoint(function, in, std::span<const Out>(out));
   if constexpr (!std::is_null_pointer_v<std::remove_cv_t<decltype(kKernel<In, M, Out>)>>) {
-    KernelWork<kKind, In, M, Out> work(in, out, m);
-    return static_cast<Value>(
-        chained::scan_tiles({in.size(), kKernelTile<In>}, work.in_parts(), work));
+    return static_cast<Value>(scan_by_kernel<kKind, In, M, Out>(in, out));
   } else {
     return scan_elements<kKind>(
         in.size(), kTile<In>, m, [in](std::size_t i) { return static_cast<Value>(in[i]); },

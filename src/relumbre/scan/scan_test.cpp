@@ -215,8 +215,7 @@ TEST(Scan, StringsConcatenateInOrder) {
   }
 }
 
-TEST(Scan, FloatSumsHaveTheSameBitsForAnyNumberOfThreads) {
-  const std::size_t size = 9 * scan_detail::kTile<float> + 77;
+void expect_same_bits_for_any_number_of_threads(std::size_t size, int repeats) {
   const auto in = random_values<float>(size, -1, 1);
   const auto scan_with = [&](std::size_t threads, auto m, auto out) {
     const ThreadLimit limit(threads);
@@ -229,13 +228,23 @@ TEST(Scan, FloatSumsHaveTheSameBitsForAnyNumberOfThreads) {
   const auto expect_same = [&](auto m, auto out) {
     const auto alone = scan_with(1, m, out);
     for (const std::size_t threads : {2, 3, 8}) {
-      for (int again = 0; again < 3; ++again) EXPECT_TRUE(scan_with(threads, m, out) == alone);
+      for (int again = 0; again < repeats; ++again)
+        EXPECT_TRUE(scan_with(threads, m, out) == alone);
     }
   };
   expect_same(Plus<float>(), std::vector<float>(size));
   expect_same(Plus<double>(), std::vector<float>(size));
   expect_same(Plus<double>(), std::vector<double>(size));
   expect_same(Plus<long double>(), std::vector<double>(size));  // element by element
+}
+
+TEST(Scan, FloatSumsHaveTheSameBitsForAnyNumberOfThreads) {
+  expect_same_bits_for_any_number_of_threads(9 * scan_detail::kTile<float> + 77, 3);
+}
+
+TEST(Scan, FloatSumsThatOutgrowTheCachesHaveTheSameBitsForAnyNumberOfThreads) {
+  const std::size_t size = 4'500'077;  // 36 MB in and out
+  expect_same_bits_for_any_number_of_threads(size, 1);
 }
 
 /// |error| ≤ 8u·Σ|x| + 2u·|result| for all results, with u = 2⁻²⁴.
@@ -252,7 +261,7 @@ void expect_precise(const std::vector<float>& in, const std::vector<float>& out,
 }
 
 TEST(Scan, FloatSumsKeepTheirPrecisionHoweverLong) {
-  for (const std::size_t size : {127UL, 5000UL, 1UL << 20}) {
+  for (const std::size_t size : {127UL, 5000UL, 1UL << 20, 5UL << 20}) {
     for (const float low : {0.0F, -1.0F}) {
       const auto in = random_values<float>(size, low, 1);
       std::vector<float> out(size);
