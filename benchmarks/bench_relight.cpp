@@ -19,10 +19,10 @@
 
 #include <fmt/format.h>
 
+#include "relumbre/base/huge_array.h"
 #include "relumbre/base/parallel.h"
 #include "relumbre/base/sampling.h"
 #include "relumbre/radiosity/form_factors.h"
-#include "relumbre/radiosity/huge_buffer.h"
 #include "relumbre/radiosity/relight_operator.h"
 #include "relumbre/scene/builtin_scenes.h"
 #include "relumbre/scene/element_materials.h"
@@ -238,9 +238,7 @@ void run_batches(bench::Report& report) {
   }
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
   bench::Report report("relight", argc, argv);
   report.figure("threads", static_cast<double>(thread_count()), "");
   report.figure("read bandwidth of main memory", read_bandwidth(), "GB/s");
@@ -249,3 +247,7 @@ int main(int argc, char** argv) {
   run_batches(report);
   return report.finish();
 }
+
+}  // namespace
+
+int main(int argc, char** argv) { return bench::run_benchmark(run, argc, argv); }

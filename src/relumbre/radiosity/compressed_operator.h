@@ -3,8 +3,8 @@
 
 #include <vector>
 
+#include "relumbre/base/huge_array.h"
 #include "relumbre/radiosity/count_matrix.h"
-#include "relumbre/radiosity/huge_buffer.h"
 #include "relumbre/radiosity/patch_transport.h"
 #include "relumbre/radiosity/relight_operator.h"
 #include "relumbre/radiosity/segment_mean.h"

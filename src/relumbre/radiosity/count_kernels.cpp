@@ -139,6 +139,8 @@ RowKernels kernels() {
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
+#include "relumbre/base/instruction_sets-inl.h"
+
 namespace relumbre {
 
 HWY_EXPORT(kernels);
@@ -162,14 +164,9 @@ const RowKernels& best_row_kernels() {
 }
 
 std::vector<RowKernels> available_row_kernels() {
-  std::vector<RowKernels> all{best_row_kernels()};
-  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    all.push_back(HWY_DYNAMIC_DISPATCH(kernels)());
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  std::vector<RowKernels> all =
+      on_every_instruction_set([] { return HWY_DYNAMIC_DISPATCH(kernels)(); });
+  all.insert(all.begin(), best_row_kernels());
   return all;
 }
 

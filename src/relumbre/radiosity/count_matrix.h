@@ -12,8 +12,8 @@
 #include <span>
 #include <vector>
 
+#include "relumbre/base/huge_array.h"
 #include "relumbre/radiosity/count_kernels.h"
-#include "relumbre/radiosity/huge_buffer.h"
 #include "relumbre/radiosity/relight_operator.h"
 #include "relumbre/radiosity/sparse_counts.h"
 

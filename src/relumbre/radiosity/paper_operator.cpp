@@ -12,10 +12,10 @@
 #include <fmt/format.h>
 
 #include "relumbre/base/error.h"
+#include "relumbre/base/huge_array.h"
 #include "relumbre/base/parallel.h"
 #include "relumbre/linalg/blas.h"
 #include "relumbre/radiosity/count_matrix.h"
-#include "relumbre/radiosity/huge_buffer.h"
 #include "relumbre/radiosity/operator_input.h"
 #include "relumbre/radiosity/patch_transport.h"
 #include "relumbre/radiosity/relight_operator.h"

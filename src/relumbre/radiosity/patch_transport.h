@@ -18,9 +18,9 @@
 #include <span>
 #include <vector>
 
+#include "relumbre/base/huge_array.h"
 #include "relumbre/radiosity/count_kernels.h"
 #include "relumbre/radiosity/count_matrix.h"
-#include "relumbre/radiosity/huge_buffer.h"
 #include "relumbre/radiosity/segment_mean.h"
 
 namespace relumbre {

@@ -13,7 +13,7 @@ namespace relumbre {
 template <class T>
 class BoxReader {
  public:
-  BoxReader(const SummedAreaTable& table, const TableBuffer<T>& sums)
+  BoxReader(const SummedAreaTable& table, const HugeArray<T>& sums)
       : layout_(table.layout()),
         sums_(sums.data()),
         fixed_(table.fixed_point()),
@@ -75,7 +75,7 @@ class BoxReader {
 template <class Use>
 auto with_reader(const SummedAreaTable& table, Use&& use) {
   return std::visit(
-      [&]<class T>(const TableBuffer<T>& sums) { return use(BoxReader<T>(table, sums)); },
+      [&]<class T>(const HugeArray<T>& sums) { return use(BoxReader<T>(table, sums)); },
       table.storage());
 }
 

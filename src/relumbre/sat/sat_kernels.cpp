@@ -363,6 +363,8 @@ SatKernels<double> double_kernels() { return kernels<double>(); }
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
+#include "relumbre/base/instruction_sets-inl.h"
+
 namespace relumbre {
 
 HWY_EXPORT(uint32_kernels);
@@ -390,15 +392,7 @@ const SatKernels<T>& best_sat_kernels() {
 
 template <class T>
 std::vector<SatKernels<T>> available_sat_kernels() {
-  std::vector<SatKernels<T>> all;
-  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    all.push_back(dispatched<T>());
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-  return all;
+  return on_every_instruction_set(dispatched<T>);
 }
 
 #define RELUMBRE_INSTANTIATE(T)                     \

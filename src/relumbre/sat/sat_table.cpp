@@ -12,9 +12,9 @@
 #include <hwy/cache_control.h>
 
 #include "relumbre/base/error.h"
+#include "relumbre/base/huge_array.h"
 #include "relumbre/base/parallel.h"
 #include "relumbre/sat/sat_kernels.h"
-#include "relumbre/sat/table_buffer.h"
 
 namespace relumbre {
 
@@ -179,10 +179,10 @@ class Builder {
   const SatSummands<In>& summands_;
   std::span<T> table_;
   std::size_t strip_, strips_, workers_;
-  std::size_t buffer_;       ///< elements of a worker's buffers
-  TableBuffer<T> sums_;      ///< of each worker: the last row of sums
-  TableBuffer<Real> spare_;  ///< and the values that the kernel cannot take from where they are
-  std::vector<T> carries_;   ///< of each row: its sum up to where the last strip ended
+  std::size_t buffer_;      ///< elements of a worker's buffers
+  HugeArray<T> sums_;       ///< of each worker: the last row of sums
+  HugeArray<Real> spare_;   ///< and the values that the kernel cannot take from where they are
+  std::vector<T> carries_;  ///< of each row: its sum up to where the last strip ended
   std::vector<Progress> progress_;
   std::array<float, kSatGroup * kSatMaxChannels> subtrahend_{};
   SatConversion conversion_;

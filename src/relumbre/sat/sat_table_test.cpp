@@ -8,9 +8,9 @@
 #include <gtest/gtest.h>
 
 #include "relumbre/base/error.h"
+#include "relumbre/base/huge_array.h"
 #include "relumbre/base/parallel.h"
 #include "relumbre/sat/sat_kernels.h"
-#include "relumbre/sat/table_buffer.h"
 #include "relumbre/sat/test_images.h"
 
 namespace relumbre {
@@ -30,7 +30,7 @@ constexpr Size kSizes[] = {{1, 1},   {1, 37},   {41, 1},   {15, 3},   {16, 9},
 template <class In, class T>
 std::vector<T> built(std::span<const In> image, const SatLayout& layout,
                      const SatSummands<In>& summands) {
-  TableBuffer<T> table(layout.elements);
+  HugeArray<T> table(layout.elements);
   EXPECT_TRUE(build_sat_table(image, layout, summands, table.span()));
   std::vector<T> sums;  // without what is unused
   for (std::size_t y = 0; y <= layout.height; ++y) {
@@ -153,7 +153,7 @@ void expect_kernels_agree() {
     std::vector<T> result;
     for (std::size_t c = 1; c <= 4; ++c) {
       for (const auto kernel : {kernels.store_floats[c - 1], kernels.stream_floats[c - 1]}) {
-        TableBuffer<T> sums(c * kPixels + 16), row(c * kPixels);
+        HugeArray<T> sums(c * kPixels + 16), row(c * kPixels);
         std::fill_n(sums.data(), sums.size(), T{1});
         T carry[4] = {3, 5, 7, 9};
         EXPECT_TRUE(kernel({image.data(), kPixels, 0, carry, sums.data(), row.data()},
@@ -178,7 +178,7 @@ TEST(SatKernels, HaveTheSameBitsOnAllInstructionSets) {
 TEST(SatTable, RefusesValuesOutsideTheRangeWhereverTheyAre) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   const SatLayout layout = make_sat_layout(150, 3, 3, 4);
-  TableBuffer<std::uint32_t> table(layout.elements);
+  HugeArray<std::uint32_t> table(layout.elements);
   SatSummands<float> summands;
   summands.lowest = 0, summands.highest = 1;
   for (const float bad : {-0.001F, 1.001F, kNan, std::numeric_limits<float>::infinity()}) {
@@ -206,7 +206,7 @@ TEST(SatLayout, RefusesWhatDoesNotFit) {
 TEST(SatTable, RefusesSizesThatDisagree) {
   const SatLayout layout = make_sat_layout(4, 3, 2, 4);
   const std::vector<float> image(23);
-  TableBuffer<float> table(layout.elements), small(layout.elements - 1);
+  HugeArray<float> table(layout.elements), small(layout.elements - 1);
   EXPECT_THAT([&] { (void)build_sat_table<float>(image, layout, {}, table.span()); },
               ThrowsMessage<ShapeError>(HasSubstr("24 values, not 23")));
   const std::vector<float> right(24);

@@ -26,14 +26,14 @@ std::size_t sum_bytes(SatKind kind) {
 SummedAreaTable::Storage allocate(SatKind kind, std::size_t elements) {
   switch (kind) {
     case SatKind::kFixed32:
-      return TableBuffer<std::uint32_t>(elements);
+      return HugeArray<std::uint32_t>(elements);
     case SatKind::kFixed64:
-      return TableBuffer<std::uint64_t>(elements);
+      return HugeArray<std::uint64_t>(elements);
     case SatKind::kFloat64:
-      return TableBuffer<double>(elements);
+      return HugeArray<double>(elements);
     case SatKind::kFloat32:
     case SatKind::kFloat32Centred:
-      return TableBuffer<float>(elements);
+      return HugeArray<float>(elements);
   }
   throw ValueError(fmt::format("summed-area table: no kind {}", static_cast<int>(kind)));
 }
@@ -62,7 +62,7 @@ FixedPoint choose_fixed_point(std::span<const In> pixels, const SatLayout& layou
 }
 
 template <class T>
-void check_finite(const TableBuffer<T>& sums, const SatLayout& layout) {
+void check_finite(const HugeArray<T>& sums, const SatLayout& layout) {
   if constexpr (std::is_floating_point_v<T>) {
     for (std::size_t c = 0; c < layout.channels; ++c) {
       // Whatever is not finite goes on to all sums right of it and below.
@@ -116,7 +116,7 @@ void SummedAreaTable::fill(std::span<const In> pixels) {
     mean_ = config_.mean ? *config_.mean : find_mean(pixels, layout_);
   summands.mean = mean_;
   std::visit(
-      [&]<class T>(TableBuffer<T>& sums) {
+      [&]<class T>(HugeArray<T>& sums) {
         if (!build_sat_table(pixels, layout_, summands, sums.span()))
           report_outside(pixels, layout_, range);
         check_finite(sums, layout_);

@@ -9,10 +9,10 @@
 #include <string_view>
 #include <variant>
 
+#include "relumbre/base/huge_array.h"
 #include "relumbre/sat/axis_window.h"
 #include "relumbre/sat/fixed_point.h"
 #include "relumbre/sat/sat_layout.h"
-#include "relumbre/sat/table_buffer.h"
 
 namespace relumbre {
 
@@ -111,8 +111,8 @@ class SummedAreaTable {
   [[nodiscard]] SatSums box_mean(double x0, double y0, double x1, double y1,
                                  const BorderRule& border = {}) const;
 
-  using Storage = std::variant<TableBuffer<std::uint32_t>, TableBuffer<std::uint64_t>,
-                               TableBuffer<double>, TableBuffer<float>>;
+  using Storage = std::variant<HugeArray<std::uint32_t>, HugeArray<std::uint64_t>,
+                               HugeArray<double>, HugeArray<float>>;
   /// The sums themselves, laid out as layout() says.
   [[nodiscard]] const Storage& storage() const { return storage_; }
 

@@ -340,6 +340,8 @@ ScanKernels kernels() {
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
+#include "relumbre/base/instruction_sets-inl.h"
+
 namespace relumbre {
 
 HWY_EXPORT(kernels);
@@ -350,15 +352,7 @@ const ScanKernels& best_scan_kernels() {
 }
 
 std::vector<ScanKernels> available_scan_kernels() {
-  std::vector<ScanKernels> all;
-  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    all.push_back(HWY_DYNAMIC_DISPATCH(kernels)());
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-  return all;
+  return on_every_instruction_set([] { return HWY_DYNAMIC_DISPATCH(kernels)(); });
 }
 
 }  // namespace relumbre

@@ -1,4 +1,4 @@
-#include "relumbre/sat/table_buffer.h"
+#include "relumbre/base/huge_array.h"
 
 #include <cstdlib>
 #include <new>
@@ -23,16 +23,16 @@ void advise_huge_pages([[maybe_unused]] void* memory, [[maybe_unused]] std::size
 
 }  // namespace
 
-void FreeTable::operator()(void* memory) const { std::free(memory); }
+void FreeHuge::operator()(void* memory) const { std::free(memory); }
 
-std::unique_ptr<void, FreeTable> allocate_table(std::size_t bytes) {
+std::unique_ptr<void, FreeHuge> allocate_huge(std::size_t bytes) {
   if (bytes == 0) return nullptr;
   const std::size_t alignment = bytes >= kHugePage ? kHugePage : kCacheLine;
   const std::size_t rounded = (bytes + alignment - 1) / alignment * alignment;
   void* memory = rounded < bytes ? nullptr : std::aligned_alloc(alignment, rounded);
   if (memory == nullptr) throw std::bad_alloc();
   if (alignment == kHugePage) advise_huge_pages(memory, rounded);
-  return std::unique_ptr<void, FreeTable>(memory);
+  return std::unique_ptr<void, FreeHuge>(memory);
 }
 
 }  // namespace relumbre
