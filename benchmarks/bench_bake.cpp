@@ -328,4 +328,6 @@ int run(int argc, char** argv) {
 }  // namespace
 }  // namespace relumbre::bench
 
-int main(int argc, char** argv) { return relumbre::bench::run(argc, argv); }
+int main(int argc, char** argv) {
+  return relumbre::bench::run_benchmark(relumbre::bench::run, argc, argv);
+}

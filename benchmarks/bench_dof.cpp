@@ -190,10 +190,5 @@ int run(int argc, char** argv) {
 }  // namespace relumbre::bench
 
 int main(int argc, char** argv) {
-  try {
-    return relumbre::bench::run(argc, argv);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "{}\n", error.what());
-    return 1;
-  }
+  return relumbre::bench::run_benchmark(relumbre::bench::run, argc, argv);
 }

@@ -39,14 +39,14 @@ constexpr std::size_t kRounds = 31;
 constexpr std::size_t kLargestSide = 101;
 
 /// Values about the mean, within [0, 2 · mean].
-TableBuffer<float> make_image(std::size_t channels, float mean) {
-  TableBuffer<float> image(kPixels * channels);
+HugeArray<float> make_image(std::size_t channels, float mean) {
+  HugeArray<float> image(kPixels * channels);
   RandomStream random(1);
   for (float& v : image.span()) v = 2 * mean * random.uniform();
   return image;
 }
 
-SummedAreaTable make_table(const TableBuffer<float>& image, std::size_t channels, SatKind kind,
+SummedAreaTable make_table(const HugeArray<float>& image, std::size_t channels, SatKind kind,
                            bool told) {
   SatConfig config;
   config.kind = kind;
@@ -73,7 +73,7 @@ class Copy {
 
  private:
   std::size_t half_;
-  TableBuffer<char> from_, to_;
+  HugeArray<char> from_, to_;
 };
 
 /// The textbook: running sums along rows, rows shared among the threads; then running sums down
@@ -109,7 +109,7 @@ class TwoPass {
   }
 
   std::span<const float> image_;
-  TableBuffer<T> table_;
+  HugeArray<T> table_;
 };
 
 /// OpenCV's table, where there is OpenCV.
@@ -117,7 +117,7 @@ class OpenCv {
  public:
 #ifdef RELUMBRE_BENCH_OPENCV
   static constexpr bool kAvailable = true;
-  explicit OpenCv(TableBuffer<float>& image)
+  explicit OpenCv(HugeArray<float>& image)
       : image_(static_cast<int>(kHeight), static_cast<int>(kWidth), CV_32FC4, image.data()) {}
   [[nodiscard]] std::function<void()> call(std::size_t bytes) {
     if (bytes == 4) return [this] { cv::integral(image_, table32_, CV_32F); };
@@ -128,7 +128,7 @@ class OpenCv {
   cv::Mat image_, table32_, table64_;
 #else
   static constexpr bool kAvailable = false;
-  explicit OpenCv(TableBuffer<float>&) {}
+  explicit OpenCv(HugeArray<float>&) {}
   [[nodiscard]] std::function<void()> call(std::size_t) {
     return [] {};
   }
@@ -136,7 +136,7 @@ class OpenCv {
 };
 
 /// Rows of one kind: it, its peers and its limits by turns.
-void run_kind(bench::Report& report, TableBuffer<float>& image, SatKind kind) {
+void run_kind(bench::Report& report, HugeArray<float>& image, SatKind kind) {
   SummedAreaTable table = make_table(image, kChannels, kind, true);
   SummedAreaTable untold = make_table(image, kChannels, kind, false);
   const std::size_t sum_bytes =
@@ -167,7 +167,7 @@ void run_kind(bench::Report& report, TableBuffer<float>& image, SatKind kind) {
 void run_builds(bench::Report& report) {
   report.heading(fmt::format("table of {} x {} float32 RGBA", kWidth, kHeight));
   if (!OpenCv::kAvailable) report.note("skipped: no OpenCV");
-  TableBuffer<float> image = make_image(kChannels, 0.5F);
+  HugeArray<float> image = make_image(kChannels, 0.5F);
   for (const SatKind kind : kSatKinds) run_kind(report, image, kind);
 }
 
@@ -222,7 +222,7 @@ class Oracle {
 
 void run_errors(bench::Report& report) {
   constexpr float kMean = 0.5F;
-  const TableBuffer<float> image = make_image(1, kMean);
+  const HugeArray<float> image = make_image(1, kMean);
   report.note(fmt::format("\nerror of box means, {} x {}, mean {}, against long double", kWidth,
                           kHeight, kMean));
   std::vector<Oracle> oracles;
@@ -271,7 +271,7 @@ void check_8k(bench::Report& report) {
 
 void run_filters(bench::Report& report) {
   report.heading("box filter of the same image, table given");
-  const TableBuffer<float> image = make_image(kChannels, 0.5F);
+  const HugeArray<float> image = make_image(kChannels, 0.5F);
   SatConfig config;
   config.range = SatRange{0, 1};
   const SummedAreaTable table =
@@ -287,9 +287,7 @@ void run_filters(bench::Report& report) {
                 fmt::format("radius {}", radii[i / 2 * 2]), 1e3 * seconds[i / 2 * 2]});
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
   bench::Report report("sat", argc, argv);
   report.figure("threads", static_cast<double>(thread_count()), "");
   run_builds(report);
@@ -298,3 +296,7 @@ int main(int argc, char** argv) {
   run_filters(report);
   return report.finish();
 }
+
+}  // namespace
+
+int main(int argc, char** argv) { return bench::run_benchmark(run, argc, argv); }

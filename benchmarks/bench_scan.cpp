@@ -21,8 +21,8 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_scan.h>
 
+#include "relumbre/base/huge_array.h"
 #include "relumbre/base/parallel.h"
-#include "relumbre/radiosity/huge_buffer.h"
 #include "relumbre/scan/scan.h"
 #include "report.h"
 
@@ -91,17 +91,6 @@ const Side kSides[] = {{"ours", ours, false},
                        {"memcpy, 2 threads", copy_two, false}};
 constexpr std::size_t kSideCount = std::size(kSides), kFirstPeer = 1, kLastPeer = 3, kOneCopy = 4,
                       kTwoCopies = 5;
-
-/// A float array on huge pages.
-class Floats {
- public:
-  explicit Floats(std::size_t size) : bytes_(size * sizeof(float)), size_(size) {}
-  [[nodiscard]] Output all() { return {reinterpret_cast<float*>(bytes_.data()), size_}; }
-
- private:
-  HugeBuffer bytes_;
-  std::size_t size_;
-};
 
 /// Seconds of one call, from a batch of calls too long for the clock's grain to matter.
 double seconds_of_call(const Side& side, Input in, Output out, std::size_t batch) {
@@ -173,8 +162,8 @@ int run(int argc, char** argv) {
   bench::Report report("scan", argc, argv);
   const int largest = std::stoi(report.option("log2", "28"));
   const int step = std::stoi(report.option("step", "2"));
-  Floats input(std::size_t{1} << largest), output(std::size_t{1} << largest);
-  const Output in = input.all(), out = output.all();
+  HugeArray<float> input(std::size_t{1} << largest), output(std::size_t{1} << largest);
+  const Output in = input.span(), out = output.span();
   for (std::size_t i = 0; i < in.size(); ++i) in[i] = 1.0F / static_cast<float>(1 + i % 7);
   std::ranges::fill(out, 0.0F);
 
@@ -196,11 +185,4 @@ int run(int argc, char** argv) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  try {
-    return run(argc, argv);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "{}\n", error.what());
-    return 1;
-  }
-}
+int main(int argc, char** argv) { return bench::run_benchmark(run, argc, argv); }

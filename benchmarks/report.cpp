@@ -92,6 +92,15 @@ int Report::finish() {
   return 0;
 }
 
+int run_benchmark(int (*run)(int argc, char** argv), int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return 1;
+  }
+}
+
 std::vector<double> median_seconds(std::span<const std::function<void()>> candidates,
                                    std::size_t rounds) {
   std::vector<std::vector<double>> seconds(candidates.size());

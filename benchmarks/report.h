@@ -51,6 +51,9 @@ class Report {
   nlohmann::json figures_ = nlohmann::json::object();
 };
 
+/// What a benchmark's main returns: the status of run(), or 1 and the reason on standard error.
+int run_benchmark(int (*run)(int argc, char** argv), int argc, char** argv);
+
 /// Median seconds of each of `candidates`, run by turns `rounds` times after one round of warm-up,
 /// so that a drift of the machine meets all of them alike.
 std::vector<double> median_seconds(std::span<const std::function<void()>> candidates,

@@ -7,55 +7,31 @@
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <sys/wait.h>
 
+#include "program_folder.h"
 #include "relumbre/base/atomic_file.h"
 #include "relumbre/base/npy.h"
-#include "relumbre/base/temporary_folder.h"
 
 namespace relumbre {
 namespace {
 
 namespace fs = std::filesystem;
 
-struct Outcome {
-  int status = -1;
-  std::string out, err;
-};
-
 class Cli : public testing::Test {
  protected:
-  /// Runs `relumbre ARGUMENTS` in the test's folder.
-  Outcome run(const std::string& arguments) const {
-    return shell(std::string(RELUMBRE_PROGRAM) + " " + arguments);
-  }
-  Outcome shell(const std::string& command) const {
-    const std::string line =
-        "cd '" + folder().string() + "' && { " + command + "; } >out.txt 2>err.txt";
-    const int raw = std::system(line.c_str());
-    return {WIFEXITED(raw) ? WEXITSTATUS(raw) : -1, read("out.txt"), read("err.txt")};
-  }
+  Outcome run(const std::string& arguments) const { return folder_.run(arguments); }
+  Outcome shell(const std::string& command) const { return folder_.shell(command); }
   /// The same where no file can grow beyond `bytes`: a disk that is full. (The signal that would
   /// come with it is one that a full disk does not send.)
   Outcome run_on_full_disk(std::size_t bytes, const std::string& arguments) const {
     return shell("trap '' XFSZ; ulimit -f " + std::to_string(bytes / 512) + "; " +
                  RELUMBRE_PROGRAM + " " + arguments);
   }
-  fs::path folder() const { return folder_.path(); }
-  std::string read(const std::string& name) const { return read_file(folder() / name); }
-  void write(const std::string& name, const std::string& text) const {
-    write_file(folder() / name, text);
-  }
-  bool exists(const std::string& name) const { return fs::exists(folder() / name); }
-  /// Files in the folder but the two that shell() writes.
-  std::size_t files() const {
-    std::size_t count = 0;
-    for (const auto& entry : fs::directory_iterator(folder())) {
-      const std::string name = entry.path().filename().string();
-      count += name != "out.txt" && name != "err.txt";
-    }
-    return count;
-  }
+  const fs::path& folder() const { return folder_.path(); }
+  std::string read(const std::string& name) const { return folder_.read(name); }
+  void write(const std::string& name, const std::string& text) const { folder_.write(name, text); }
+  bool exists(const std::string& name) const { return folder_.exists(name); }
+  std::size_t files() const { return folder_.files(); }
   void bake_cornell(const std::string& options = "--patches 72 --elements 288 --rays 64") const {
     ASSERT_EQ(run("scene cornell -o c.glb").status, 0);
     const Outcome baked = run("bake c.glb -o c.h5 " + options);
@@ -75,7 +51,7 @@ class Cli : public testing::Test {
   }
 
  private:
-  TemporaryFolder folder_;
+  ProgramFolder folder_;
 };
 
 const char* const kCommands[] = {"scene",   "info",  "viewfactors", "bake",

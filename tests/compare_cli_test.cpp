@@ -1,17 +1,14 @@
 // `relumbre compare` as a user meets it: figures, bands around silhouettes, FLIP maps, refusals.
 
-#include <cstdlib>
 #include <filesystem>
 #include <limits>
 #include <string>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <sys/wait.h>
 
-#include "relumbre/base/atomic_file.h"
+#include "program_folder.h"
 #include "relumbre/base/sampling.h"
-#include "relumbre/base/temporary_folder.h"
 #include "relumbre/image/image_io.h"
 #include "relumbre/image/metrics.h"
 #include "relumbre/image/png.h"
@@ -19,24 +16,17 @@
 namespace relumbre {
 namespace {
 
-namespace fs = std::filesystem;
-
 class CompareCli : public testing::Test {
  protected:
   /// Runs `relumbre compare ARGUMENTS` in the test's folder; returns its exit status.
-  int run(const std::string& arguments) const {
-    const std::string line = "cd '" + folder_.path().string() + "' && " + RELUMBRE_PROGRAM +
-                             " compare " + arguments + " >out.txt 2>err.txt";
-    const int raw = std::system(line.c_str());
-    return WIFEXITED(raw) ? WEXITSTATUS(raw) : -1;
-  }
+  int run(const std::string& arguments) const { return folder_.run("compare " + arguments).status; }
   nlohmann::json figures(const std::string& arguments) const {
     EXPECT_EQ(run(arguments + " --json f.json"), 0) << read("err.txt");
     return nlohmann::json::parse(read("f.json"));
   }
-  std::string read(const std::string& name) const { return read_file(folder_ / name); }
-  fs::path path(const std::string& name) const { return folder_ / name; }
-  bool exists(const std::string& name) const { return fs::exists(folder_ / name); }
+  std::string read(const std::string& name) const { return folder_.read(name); }
+  std::filesystem::path path(const std::string& name) const { return folder_ / name; }
+  bool exists(const std::string& name) const { return folder_.exists(name); }
   void save(const std::string& name, const Image& image) const {
     save_image(folder_ / name, image, {.curve = ToneCurve::kSrgb});
   }
@@ -46,7 +36,7 @@ class CompareCli : public testing::Test {
   }
 
  private:
-  TemporaryFolder folder_;
+  ProgramFolder folder_;
 };
 
 /// Noise around a grey, with a depth that jumps between the left and the right half.

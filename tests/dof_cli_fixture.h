@@ -2,29 +2,22 @@
 #pragma once
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
-#include <iterator>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
-#include "relumbre/base/atomic_file.h"
+#include "program_folder.h"
 #include "relumbre/base/sampling.h"
-#include "relumbre/base/temporary_folder.h"
 #include "relumbre/image/exr.h"
-#include "relumbre/image/image_io.h"
 
 namespace relumbre {
-
-namespace fs = std::filesystem;
 
 class DofFixture : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    folder_ = new TemporaryFolder;
+    folder_ = new ProgramFolder;
     save("small.exr", noise(37, 23));
   }
   static void TearDownTestSuite() {
@@ -32,30 +25,22 @@ class DofFixture : public testing::Test {
     folder_ = nullptr;
   }
 
-  static int shell(const std::string& command) {
-    const std::string line =
-        "cd '" + folder_->path().string() + "' && { " + command + "; } >out.txt 2>err.txt";
-    const int raw = std::system(line.c_str());
-    return WIFEXITED(raw) ? WEXITSTATUS(raw) : -1;
-  }
-  static int run(const std::string& arguments) {
-    return shell(std::string(RELUMBRE_PROGRAM) + " " + arguments);
+  static int run(const std::string& arguments) { return folder_->run(arguments).status; }
+  static int interrupt_after(int seconds, const std::string& arguments) {
+    return folder_->run_and_interrupt(seconds, arguments).status;
   }
   static int dof(const std::string& arguments) { return run("dof " + arguments); }
-  static std::string read(const std::string& name) { return read_file(*folder_ / name); }
-  static Image image(const std::string& name) { return load_image(*folder_ / name); }
-  static bool exists(const std::string& name) { return fs::exists(*folder_ / name); }
-  static fs::path path(const std::string& name) { return *folder_ / name; }
+  static std::string read(const std::string& name) { return folder_->read(name); }
+  static Image image(const std::string& name) { return folder_->image(name); }
+  static bool exists(const std::string& name) { return folder_->exists(name); }
+  static std::filesystem::path path(const std::string& name) { return *folder_ / name; }
   static void save(const std::string& name, const Image& image) { write_exr(path(name), image); }
-  static auto files() {
-    return std::distance(fs::directory_iterator(folder_->path()), fs::directory_iterator());
-  }
+  static std::size_t files() { return folder_->files(); }
 
   /// One line on standard error with every one of the reasons; nothing is written.
   static void expect_refused(const std::string& arguments, int status,
                              const std::vector<std::string>& reasons,
                              const std::string& output = "-o refused.exr") {
-    ASSERT_EQ(shell("true"), 0);
     const auto before = files();
     EXPECT_EQ(dof(arguments + " " + output), status) << arguments << read("err.txt");
     const std::string error = read("err.txt");
@@ -88,7 +73,7 @@ class DofFixture : public testing::Test {
   }
 
  private:
-  inline static TemporaryFolder* folder_ = nullptr;
+  inline static ProgramFolder* folder_ = nullptr;
 };
 
 }  // namespace relumbre

@@ -2,17 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
-#include <iterator>
 #include <string>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <sys/wait.h>
 
-#include "relumbre/base/atomic_file.h"
-#include "relumbre/base/temporary_folder.h"
+#include "program_folder.h"
 #include "relumbre/image/image_io.h"
 #include "relumbre/image/metrics.h"
 #include "relumbre/image/thin_lens.h"
@@ -20,13 +16,11 @@
 namespace relumbre {
 namespace {
 
-namespace fs = std::filesystem;
-
 /// The teapots, baked once for all tests.
 class RenderLensCli : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    folder_ = new TemporaryFolder;
+    folder_ = new ProgramFolder;
     ASSERT_EQ(run("scene teapots -o t.glb"), 0) << read("err.txt");
     ASSERT_EQ(run("bake t.glb -o t.h5 --patches 200 --elements 4000 --rays 32"), 0)
         << read("err.txt");
@@ -36,15 +30,7 @@ class RenderLensCli : public testing::Test {
     folder_ = nullptr;
   }
 
-  static int shell(const std::string& command) {
-    const std::string line =
-        "cd '" + folder_->path().string() + "' && { " + command + "; } >out.txt 2>err.txt";
-    const int raw = std::system(line.c_str());
-    return WIFEXITED(raw) ? WEXITSTATUS(raw) : -1;
-  }
-  static int run(const std::string& arguments) {
-    return shell(std::string(RELUMBRE_PROGRAM) + " " + arguments);
-  }
+  static int run(const std::string& arguments) { return folder_->run(arguments).status; }
   static int render(const std::string& options) {
     return run("render t.h5 --camera main --size 160x90 --mode gouraud --samples 16 " + options);
   }
@@ -52,10 +38,13 @@ class RenderLensCli : public testing::Test {
     EXPECT_EQ(render(options + " --json f.json"), 0) << read("err.txt");
     return nlohmann::json::parse(read("f.json"));
   }
-  static fs::path folder() { return folder_->path(); }
-  static std::string read(const std::string& name) { return read_file(*folder_ / name); }
-  static Image image(const std::string& name) { return load_image(*folder_ / name); }
-  static bool exists(const std::string& name) { return fs::exists(*folder_ / name); }
+  static int interrupt_after(int seconds, const std::string& arguments) {
+    return folder_->run_and_interrupt(seconds, arguments).status;
+  }
+  static std::size_t files() { return folder_->files(); }
+  static std::string read(const std::string& name) { return folder_->read(name); }
+  static Image image(const std::string& name) { return folder_->image(name); }
+  static bool exists(const std::string& name) { return folder_->exists(name); }
   static void expect_refused(const std::string& options, int status, const std::string& reason) {
     EXPECT_EQ(render(options + " -o refused.exr"), status) << options << read("err.txt");
     EXPECT_NE(read("err.txt").find(reason), std::string::npos) << read("err.txt");
@@ -63,7 +52,7 @@ class RenderLensCli : public testing::Test {
   }
 
  private:
-  inline static TemporaryFolder* folder_ = nullptr;
+  inline static ProgramFolder* folder_ = nullptr;
 };
 
 /// The lens of the paper's accumulated picture: a third of a metre across for the teapots' metres.
@@ -166,18 +155,13 @@ TEST_F(RenderLensCli, OptionsThatContradictAreMisuse) {
 }
 
 TEST_F(RenderLensCli, AnInterruptLeavesNothingHalfWritten) {
-  const auto files = [&] {
-    return std::distance(fs::directory_iterator(folder()), fs::directory_iterator());
-  };
   // The store's light responses are kept beside it from the first picture on.
-  ASSERT_EQ(shell(std::string(RELUMBRE_PROGRAM) +
-                  " render t.h5 --camera main --size 8x8 --mode gouraud -o small.exr"),
-            0);
+  ASSERT_EQ(run("render t.h5 --camera main --size 8x8 --mode gouraud -o small.exr"), 0);
   const auto before = files();
-  const int status =
-      shell("timeout --preserve-status -s INT 2 " + std::string(RELUMBRE_PROGRAM) +
-            " render t.h5 --camera main --size 1920x1080 --mode gouraud --lens --focus-distance 5 "
-            "--lens-samples 60000 -o interrupted.exr");
+  const int status = interrupt_after(
+      2,
+      "render t.h5 --camera main --size 1920x1080 --mode gouraud --lens --focus-distance 5 "
+      "--lens-samples 60000 -o interrupted.exr");
   EXPECT_EQ(status, 130) << read("err.txt");
   EXPECT_FALSE(exists("interrupted.exr"));
   EXPECT_EQ(files(), before);
