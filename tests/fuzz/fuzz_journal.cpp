@@ -12,9 +12,9 @@
 
 #include <unistd.h>
 
+#include "relumbre/base/content_hash.h"
 #include "relumbre/base/error.h"
 #include "relumbre/store/bake_journal.h"
-#include "relumbre/store/content_hash.h"
 #include "relumbre/store/test_support.h"
 
 namespace relumbre {

@@ -4,12 +4,12 @@
 #include <chrono>
 #include <optional>
 
+#include "relumbre/base/content_hash.h"
 #include "relumbre/base/error.h"
 #include "relumbre/radiosity/energy_report.h"
 #include "relumbre/radiosity/form_factors.h"
 #include "relumbre/scene/element_materials.h"
 #include "relumbre/store/bake_journal.h"
-#include "relumbre/store/content_hash.h"
 #include "relumbre/store/store.h"
 #include "relumbre/visibility/ray_scene.h"
 

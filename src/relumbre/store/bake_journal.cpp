@@ -12,8 +12,8 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include "relumbre/base/content_hash.h"
 #include "relumbre/base/error.h"
-#include "relumbre/store/content_hash.h"
 
 namespace relumbre {
 namespace fs = std::filesystem;

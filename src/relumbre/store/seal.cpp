@@ -12,8 +12,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "relumbre/base/content_hash.h"
 #include "relumbre/base/error.h"
-#include "relumbre/store/content_hash.h"
 #include "relumbre/store/descriptor.h"
 
 namespace relumbre {

@@ -1,4 +1,4 @@
-#include "relumbre/store/content_hash.h"
+#include "relumbre/base/content_hash.h"
 
 #include <algorithm>
 #include <bit>
