@@ -1,4 +1,7 @@
+#include <filesystem>
+
 #include "cli/energy.h"
+#include "cli/octree_report.h"
 #include "cli/reference.h"
 #include "cli/scene_input.h"
 
@@ -57,7 +60,14 @@ void describe_error(const Options& options, Session& session) {
   report_error(compressed_error(store, reference, session), session);
 }
 
+void describe_octree(const std::string& file, Session& session) {
+  session.report.section("octree", file);
+  report_octree(read_rlo(file), session);
+}
+
 void run(const Options& options, Session& session) {
+  if (std::filesystem::path(options.store.store).extension() == ".rlo")
+    return describe_octree(options.store.store, session);
   if (can_import(options.store.store)) return describe_scene(options.store.store, session);
   describe_store(options.store.store, session);
   if (options.error) describe_error(options, session);
@@ -67,12 +77,12 @@ void run(const Options& options, Session& session) {
 
 void add_info_command(CLI::App& app) {
   add_command<Options>(
-      app, "info", "What a scene or a store holds, and the error of its compression",
+      app, "info", "What a scene, store or octree holds, and the error of a store's compression",
       "relumbre info cornell.h5 --error",
       [](CLI::App& command, Options& o) {
         add_store_options(command, o.store);
         command.get_option("store")->description(
-            "A store, or a scene: .gltf, .glb, .obj, .ply, .stl");
+            "A store, an octree (.rlo), or a scene: .gltf, .glb, .obj, .ply, .stl");
         add_reference_options(command, o.reference);
         command.add_flag("--error", o.error,
                          "Solve element to element and compare (traces rays; takes a while)");

@@ -62,8 +62,9 @@ BakedScene open_store(const StoreOptions& options, Session& session) {
 
 }  // namespace
 
-void add_store_options(CLI::App& command, StoreOptions& o) {
-  command.add_option("store", o.store, "A store written by `relumbre bake`")->required();
+void add_store_options(CLI::App& command, StoreOptions& o, const std::string& name) {
+  command.add_option(name, o.store, "A store written by `relumbre bake`")
+      ->required(name == "store");
   auto* lights =
       command.add_option("--lights", o.lights, "lights.json: lights beside the scene's own");
   command

@@ -25,8 +25,9 @@ struct StoreOptions {
   std::vector<std::string> reflectance;  ///< "material=r,g,b"
 };
 
-/// Binds the store argument and the options above.
-void add_store_options(CLI::App& command, StoreOptions& options);
+/// Binds the store argument and the options above. With a `name` of "--store", the store is an
+/// option that may be left out.
+void add_store_options(CLI::App& command, StoreOptions& options, const std::string& name = "store");
 
 /// A baked scene, its lights and its direct light, with the reflectance edits applied.
 class OpenedStore {

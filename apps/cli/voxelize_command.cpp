@@ -1,0 +1,179 @@
+#include <filesystem>
+
+#include "cli/exposure.h"
+#include "cli/octree_report.h"
+#include "cli/opened_store.h"
+#include "cli/scene_input.h"
+#include "relumbre/base/atomic_file.h"
+#include "relumbre/base/error.h"
+#include "relumbre/octree/rlo_file.h"
+#include "relumbre/octree/voxel_export.h"
+#include "relumbre/octree/voxelize.h"
+#include "relumbre/render/colored_mesh.h"
+
+namespace relumbre::cli {
+
+namespace {
+
+struct Options {
+  SceneOptions scene;
+  StoreOptions store;
+  std::string output;
+  std::vector<std::string> exports;
+  std::string exposure;
+  unsigned depth = 8;
+  int separating = 26;
+  std::uint64_t memory = std::uint64_t{4} << 30;
+  bool geometry_only = false;
+};
+
+/// What is voxelised: triangles, and what their surface looks like.
+struct Subject {
+  TriangleMesh mesh;
+  SurfaceSampler surface;
+};
+
+/// A scene's materials, textures and normals.
+Subject scene_subject(std::shared_ptr<const Scene> scene) {
+  Subject subject{scene->mesh, {}};
+  subject.surface = [scene](std::uint32_t t, float u, float v) {
+    return SurfaceSample{scene->reflectance(t, u, v), scene->mesh.scaled_normal(t)};
+  };
+  return subject;
+}
+
+/// A store's radiosity under the given lights, in W/m².
+Subject relit_subject(const StoreOptions& options, Session& session) {
+  if (!options.emission.empty())
+    throw ValueError("--emission: voxelize takes a store's light from --lights");
+  const OpenedStore store(options, session);
+  const RelitResult lit = store.relight(session);
+  const Tessellation& tessellation = store.baked.tessellation;
+  ColoredMesh colored = colored_mesh(tessellation, conforming_mesh(tessellation), lit.radiosity);
+  Subject subject;
+  subject.mesh.positions = std::move(colored.positions);
+  subject.mesh.triangles = std::move(colored.triangles);
+  subject.surface = [triangles = subject.mesh.triangles, positions = subject.mesh.positions,
+                     colors = std::move(colored.colors)](std::uint32_t t, float u, float v) {
+    const auto& [a, b, c] = triangles[t];
+    return SurfaceSample{colors[a] * (1 - u - v) + colors[b] * u + colors[c] * v,
+                         cross(positions[b] - positions[a], positions[c] - positions[a])};
+  };
+  return subject;
+}
+
+Subject read_subject(const Options& options, Session& session) {
+  if (!options.store.store.empty()) return relit_subject(options.store, session);
+  return scene_subject(std::make_shared<const Scene>(import_and_report(options.scene, session)));
+}
+
+VoxelizeConfig config_of(const Options& options, Subject& subject) {
+  VoxelizeConfig config{.depth = options.depth, .surface = {}};
+  config.separating = options.separating == 6 ? Separating::k6 : Separating::k26;
+  if (!options.geometry_only) config.surface = std::move(subject.surface);
+  return config;
+}
+
+/// Refuses what the memory limit does not allow, before any work.
+void plan_memory(const Options& options, const Subject& subject, const Cube& cube,
+                 VoxelizeConfig& config, Session& session) {
+  const VoxelizeEstimate estimate = estimate_voxelize(subject.mesh, cube, config);
+  session.report.section("estimate", "Before it starts");
+  session.report.figure("voxels", "voxels, about", estimate.voxels, grouped(estimate.voxels));
+  session.report.figure("memory_bytes", "memory, about", estimate.memory_bytes,
+                        bytes_text(estimate.memory_bytes));
+  session.report.figure("disk_bytes", "disk, about", estimate.disk_bytes,
+                        bytes_text(estimate.disk_bytes));
+  if (estimate.memory_bytes > options.memory) {
+    throw ValueError(
+        fmt::format("depth {} needs about {} of memory beside the mesh and --memory allows {}",
+                    options.depth, bytes_text(estimate.memory_bytes), bytes_text(options.memory)));
+  }
+  config.list_bytes = options.memory - estimate.memory_bytes + kLeastListBytes;
+}
+
+/// Builds the file and returns the passes it took.
+std::uint64_t build(const Options& options, const Subject& subject, const Cube& cube,
+                    const VoxelizeConfig& config, Session& session) {
+  const Stopwatch watch;
+  RloWriter writer(options.output, cube, config.depth, config.separating);
+  const VoxelizeReport report = voxelize(
+      subject.mesh, cube, config, [&](VoxelBlocks&& blocks) { writer.add(blocks); },
+      session.progress);
+  session.progress.clear();
+  writer.finish(watch.seconds());
+  return report.passes;
+}
+
+/// What exported colours are multiplied by: materials as they are, unless told; light is exposed.
+float export_exposure(const Options& options, const VoxelTree& tree) {
+  if (options.exports.empty() || !tree.has_values()) return 1;
+  const bool is_lit = !options.store.store.empty();
+  const ToneConfig tone =
+      parse_exposure(options.exposure.empty() ? (is_lit ? "auto" : "0") : options.exposure);
+  Image voxels = rgb_image(tree.values().size(), 1);
+  for (std::size_t i = 0; i < voxels.pixels(); ++i)
+    voxels.set_rgb(i, unpack_color(tree.values()[i].color));
+  return exposure_scale(voxels, tone);
+}
+
+void check_exports(const Options& options) {
+  for (const std::string& file : options.exports) check_export(file, options.depth);
+}
+
+void run(const Options& options, Session& session) {
+  if (options.scene.file.empty() == options.store.store.empty())
+    throw ValueError("voxelize takes either a scene or --store STORE");
+  check_exports(options);
+  for (const std::string& file : options.exports) const AtomicFile writable(file);
+  const AtomicFile writable(options.output);
+  Subject subject = read_subject(options, session);
+  const Cube cube = cube_around(bounds(subject.mesh.positions));
+  VoxelizeConfig config = config_of(options, subject);
+  plan_memory(options, subject, cube, config, session);
+  const std::uint64_t passes = build(options, subject, cube, config, session);
+  const RloFile file = read_rlo(options.output);
+  session.report.section("octree", options.output);
+  report_octree(file, session);
+  session.report.figure("passes", "passes over the mesh", passes);
+  const float exposure = export_exposure(options, file.tree);
+  for (const std::string& name : options.exports) {
+    export_voxels(name, file.tree, exposure);
+    session.report.figure("export", "exported", name);
+  }
+}
+
+}  // namespace
+
+void add_voxelize_command(CLI::App& app) {
+  add_command<Options>(
+      app, "voxelize", "Turn a mesh, or a store's relit light, into a sparse voxel octree",
+      "relumbre voxelize bunny.obj --depth 10 -o bunny.rlo --export bunny.ply",
+      [](CLI::App& command, Options& o) {
+        add_scene_options(command, o.scene);
+        command.get_option("scene")->required(false);
+        add_store_options(command, o.store, "--store");
+        command.get_option("--store")->description(
+            "Instead of a scene: its radiosity under --lights is the voxels' colour");
+        command.add_option("-o,--output", o.output, "The octree to write (.rlo)")->required();
+        command.add_option("--depth", o.depth, "2^depth voxels a side")
+            ->check(CLI::Range(0U, kMaxVoxelDepth))
+            ->capture_default_str();
+        command
+            .add_option("--separating", o.separating,
+                        "26: every voxel that a triangle touches; 6: thin, without holes")
+            ->check(CLI::IsMember({6, 26}))
+            ->capture_default_str();
+        command.add_flag("--geometry-only", o.geometry_only, "Leave out colours and normals");
+        command.add_option("--memory", o.memory, "Memory to use beside the mesh, as 500M or 8G")
+            ->transform(CLI::AsSizeValue(false))
+            ->default_str("4G");
+        command.add_option("--export", o.exports,
+                           "Also write MagicaVoxel's .vox or points as .ply (repeatable)");
+        command.add_option("--exposure", o.exposure,
+                           "Of exported colours: auto (default for --store), or stops (else: 0)");
+      },
+      run);
+}
+
+}  // namespace relumbre::cli

@@ -1,0 +1,69 @@
+#include "relumbre/octree/voxel_value.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace relumbre {
+
+namespace {
+
+constexpr int kMantissaBits = 9, kBias = 15, kMaxExponent = 31;
+constexpr float kBrightest = 511.0F / 512 * 65536;
+constexpr std::uint32_t kNoNormal = 0xFFFFFFFF;
+constexpr float kSteps = 65534;  // 65535 is left for "none"
+
+float in_range(float c) { return c > 0 ? std::min(c, kBrightest) : 0.0F; }
+
+std::uint32_t to_steps(float c) {
+  return static_cast<std::uint32_t>(std::lround((std::clamp(c, -1.0F, 1.0F) + 1) / 2 * kSteps));
+}
+float from_steps(std::uint32_t steps) { return static_cast<float>(steps) / kSteps * 2 - 1; }
+
+/// The lower half of the octahedron is folded over the upper one's edges.
+void fold(float& x, float& y) {
+  const float folded_x = (1 - std::abs(y)) * std::copysign(1.0F, x);
+  y = (1 - std::abs(x)) * std::copysign(1.0F, y);
+  x = folded_x;
+}
+
+}  // namespace
+
+std::uint32_t pack_color(const Rgb& color) {
+  const Rgb c(in_range(color.x), in_range(color.y), in_range(color.z));
+  const float most = max_component(c);
+  if (most == 0) return 0;
+  int exponent = std::clamp(std::ilogb(most) + 1 + kBias, 0, kMaxExponent);
+  const auto mantissa = [&](float v) {
+    return std::lround(std::ldexp(v, kMantissaBits + kBias - exponent));
+  };
+  if (mantissa(most) == 1 << kMantissaBits) ++exponent;  // it was rounded up
+  return static_cast<std::uint32_t>(exponent) << 27 |
+         static_cast<std::uint32_t>(mantissa(c.z)) << 18 |
+         static_cast<std::uint32_t>(mantissa(c.y)) << 9 | static_cast<std::uint32_t>(mantissa(c.x));
+}
+
+Rgb unpack_color(std::uint32_t packed) {
+  const int exponent = static_cast<int>(packed >> 27) - kBias - kMantissaBits;
+  const auto component = [&](unsigned shift) {
+    return std::ldexp(static_cast<float>(packed >> shift & 511), exponent);
+  };
+  return {component(0), component(9), component(18)};
+}
+
+std::uint32_t pack_normal(const Vec3f& normal) {
+  const float size = std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z);
+  if (!(size > 0) || !std::isfinite(size)) return kNoNormal;
+  float x = normal.x / size, y = normal.y / size;
+  if (normal.z < 0) fold(x, y);
+  return to_steps(x) | to_steps(y) << 16;
+}
+
+Vec3f unpack_normal(std::uint32_t packed) {
+  if (packed == kNoNormal) return {};
+  float x = from_steps(packed & 0xFFFF), y = from_steps(packed >> 16);
+  const float z = 1 - std::abs(x) - std::abs(y);
+  if (z < 0) fold(x, y);
+  return normalized(Vec3f(x, y, z));
+}
+
+}  // namespace relumbre
