@@ -6,6 +6,7 @@
 
 #include "relumbre/base/error.h"
 #include "relumbre/base/parallel.h"
+#include "relumbre/dof/cover.h"
 #include "relumbre/dof/depth_layers.h"
 #include "relumbre/dof/focus.h"
 #include "relumbre/dof/skewed_sums.h"
@@ -30,53 +31,6 @@ std::pair<std::size_t, std::size_t> source_rows(float diameter, std::size_t firs
   return {first - std::min(first, reach), std::min(last + reach, height)};
 }
 
-/// Share of a pixel that blurs of a total weight cover. Where circles of confusion change from
-/// pixel to pixel, the weights of one surface add up to a little less than 1, and what lies behind,
-/// perhaps a thousand times as bright, must not shine through that. `tolerance` is what may be
-/// missing.
-double covered(double weight, double tolerance) {
-  const double trusted = 1 - 4 * tolerance, full = 1 - tolerance;
-  if (weight <= trusted) return weight;
-  return std::min(trusted + (weight - trusted) * (1 - trusted) / (full - trusted), 1.0);
-}
-
-/// Blurs of a few pixels are cut off by the pixels they fall on; large ones add up smoothly.
-double tolerance_of(double diameter) {
-  return std::clamp(0.06 - 0.018 * (diameter - 2), 0.02, 0.06);
-}
-
-/// Layers laid over one another from front to back.
-class Cover {
- public:
-  explicit Cover(std::size_t pixels) : color_(pixels), weight_(pixels), share_(pixels) {}
-
-  /// Puts the sums of the next layer behind what is there.
-  template <class Sum>
-  void add(std::size_t pixel, const Sum& sum, double tolerance) {
-    constexpr double kNothing = 1e-9;
-    const double weight = sum.weight();
-    if (weight < kNothing || share_[pixel] >= 1) return;
-    weight_[pixel] += weight;
-    const double taken = std::max(covered(weight_[pixel], tolerance) - share_[pixel], 0.0);
-    share_[pixel] += taken;
-    const auto scale = static_cast<float>(taken / weight);
-    Rgba& c = color_[pixel];
-    const Rgba s = sum.color();
-    c.r += s.r * scale, c.g += s.g * scale, c.b += s.b * scale, c.a += s.a * scale;
-  }
-  /// What nothing has covered is taken to look like the rest of the pixel.
-  [[nodiscard]] Rgba color(std::size_t pixel) const {
-    if (share_[pixel] <= 0) return {};
-    const auto scale = static_cast<float>(1 / share_[pixel]);
-    const Rgba c = color_[pixel];
-    return {c.r * scale, c.g * scale, c.b * scale, c.a * scale};
-  }
-
- private:
-  std::vector<Rgba> color_;
-  std::vector<double> weight_, share_;
-};
-
 struct Work {
   const DepthPicture& picture;
   const DepthLayers& layers;
@@ -92,7 +46,8 @@ void add_layer(Sums& sums, std::span<const Fragment> fragments, float reach, std
   for (const Fragment& fragment : fragments) sums.spread(fragment);
   const double tolerance = tolerance_of(static_cast<double>(reach));
   sums.integrate([&](std::size_t y, std::size_t left, std::size_t right, const auto* row) {
-    for (std::size_t x = left; x < right; ++x) cover.add(y * width + x, row[x], tolerance);
+    for (std::size_t x = left; x < right; ++x)
+      cover.add(y * width + x, row[x].color(), row[x].weight(), tolerance);
   });
 }
 
@@ -144,11 +99,12 @@ std::vector<Rgba> spread(const DepthPicture& picture, const ThinLens& lens,
   const std::vector<float> front = circles(picture.front), behind = circles(picture.behind);
   const DepthLayers layers =
       sort_into_layers(fragments_of(picture, front, behind), picture.height, config.layers);
-  const ApertureKernels kernels(
-      config.shape, config.aperture,
-      std::min(static_cast<double>(std::ranges::max(layers.reach)), ApertureKernels::kLargest));
   const SkewedOutline outline =
       skewed_outline(outline_corners(config.shape, config.aperture)).value_or(SkewedOutline{});
+  const double by_rows =
+      outline.upright() ? 0 : static_cast<double>(std::ranges::max(layers.reach));
+  const ApertureKernels kernels(config.shape, config.aperture,
+                                std::min(by_rows, ApertureKernels::kLargest));
   const Work work{picture, layers, kernels, outline};
   const auto spread_rows = opaque(picture) ? spread_stripe<OpaqueSum> : spread_stripe<AlphaSum>;
 

@@ -47,14 +47,6 @@ SurfaceEdges::SurfaceEdges(std::span<const float> circles, std::size_t width, st
   });
 }
 
-bool SurfaceEdges::jump(std::size_t x, std::size_t y, int dx, int dy) const {
-  auto u = static_cast<std::ptrdiff_t>(x), v = static_cast<std::ptrdiff_t>(y);
-  if (dy < 0 || (dy == 0 && dx < 0)) u += dx, v += dy, dx = -dx, dy = -dy;
-  if (!inside(u, v)) return false;
-  const int bit = dy == 0 ? 0 : dx + 2;
-  return (jumps_[static_cast<std::size_t>(v * width_ + u)] >> bit & 1) != 0;
-}
-
 float SurfaceEdges::slope_along(std::size_t x, std::size_t y, int dx, int dy) const {
   const auto x0 = static_cast<std::ptrdiff_t>(x), y0 = static_cast<std::ptrdiff_t>(y);
   const bool next = inside(x0 + dx, y0 + dy) && !jump(x, y, dx, dy);

@@ -22,7 +22,13 @@ class SurfaceEdges {
   SurfaceEdges(std::span<const float> circles, std::size_t width, std::size_t height);
 
   /// Between pixel (x, y) and its neighbour at (x + dx, y + dy). False where there is none.
-  [[nodiscard]] bool jump(std::size_t x, std::size_t y, int dx, int dy) const;
+  [[nodiscard]] bool jump(std::size_t x, std::size_t y, int dx, int dy) const {
+    auto u = static_cast<std::ptrdiff_t>(x), v = static_cast<std::ptrdiff_t>(y);
+    if (dy < 0 || (dy == 0 && dx < 0)) u += dx, v += dy, dx = -dx, dy = -dy;
+    if (!inside(u, v)) return false;
+    const int bit = dy == 0 ? 0 : dx + 2;
+    return (jumps_[static_cast<std::size_t>(v * width_ + u)] >> bit & 1) != 0;
+  }
   /// By how much the circle grows from a pixel to the next, to the right and downwards, on the
   /// pixel's own surface.
   [[nodiscard]] Vec2f slope(std::size_t x, std::size_t y) const;
