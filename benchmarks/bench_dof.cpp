@@ -92,6 +92,7 @@ constexpr Rung kLadder[] = {
     {"gather", DofMethod::kGather},
     {"layered, 2 layers", DofMethod::kLayered},
     {"spread box, 2 layers", DofMethod::kSpread, BlurShape::kBox},
+    {"layered, infill", DofMethod::kLayered, BlurShape::kAperture, false, true},
     {"spread disc, 1 layer", DofMethod::kSpread, BlurShape::kAperture, false},
     {"spread disc, infill", DofMethod::kSpread, BlurShape::kAperture, false, true},
     {"spread disc, 2 layers", DofMethod::kSpread}};
@@ -151,6 +152,8 @@ void climb(const Shot& shot, const Pictures& pictures, const fs::path& folder, R
 /// The same picture with lenses whose largest blur is 4 and 64 pixels, by turns.
 void grow(const Pictures& pictures, const ThinLens& lens, Report& report) {
   constexpr Rung kShapes[] = {{"box", DofMethod::kSpread, BlurShape::kBox},
+                              {"hexagon", DofMethod::kSpread, BlurShape::kAperture, true, false, 6},
+                              {"octagon", DofMethod::kSpread, BlurShape::kAperture, true, false, 8},
                               {"disc", DofMethod::kSpread},
                               {"gather", DofMethod::kGather}};
   const DepthPicture picture = depth_picture(pictures.pinhole);
@@ -170,6 +173,8 @@ void grow(const Pictures& pictures, const ThinLens& lens, Report& report) {
     const std::vector<double> seconds = median_seconds(runs, 7);
     report.add({fmt::format("{}, 64 pixels", rung.name), seconds[1] * 1e3, "4 pixels",
                 seconds[0] * 1e3, "", kNotMeasured});
+    report.figure(fmt::format("{}: time at 64 pixels over time at 4", rung.name),
+                  seconds[1] / seconds[0], "");
   }
 }
 

@@ -23,6 +23,7 @@ struct Options {
   std::vector<std::size_t> focus_pixel;  // empty, or x and y
   DepthPictureConfig channels;
   DofConfig dof;
+  std::size_t layers = 0;  // 0: as many as suit the method
 };
 
 double pixels_per_tangent(const Options& options, std::size_t width, std::size_t height) {
@@ -66,6 +67,7 @@ DofConfig dof_config(const Options& options, const DepthPicture& picture) {
   config.spread.shape = options.shape == "box" ? BlurShape::kBox : BlurShape::kAperture;
   if (options.shape == "hexagon") config.spread.aperture.blades = 6;
   if (options.shape == "octagon") config.spread.aperture.blades = 8;
+  if (options.layers != 0) config.spread.layers = config.layered_steps = options.layers;
   return config;
 }
 
@@ -177,9 +179,10 @@ void define_blur(CLI::App& command, Options& o) {
       ->capture_default_str();
   command.add_flag("--infill", o.dof.infill,
                    "Guess what a blurred foreground uncovers, where the file does not say");
-  command.add_option("--layers", o.dof.spread.layers, "Steps of blur that are told apart")
-      ->check(CLI::Range(1, 256))
-      ->capture_default_str();
+  command
+      .add_option("--layers", o.layers,
+                  "Steps of blur that are told apart; otherwise 24, of `layered` 64")
+      ->check(CLI::Range(1, 256));
   command.add_option("--max-blur", o.dof.spread.largest_diameter, "Largest blur, pixels")
       ->check(CLI::Range(1.0, ApertureKernels::kLargest))
       ->capture_default_str();

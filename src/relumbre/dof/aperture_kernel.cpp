@@ -1,21 +1,18 @@
 #include "relumbre/dof/aperture_kernel.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
-#include <numbers>
+#include <cstdint>
 
 #include <fmt/format.h>
 
 #include "relumbre/base/error.h"
+#include "relumbre/dof/outline.h"
 
 namespace relumbre {
 
 namespace {
-
-struct Point {
-  double x, y;
-};
-using Polygon = std::vector<Point>;
 
 /// What a strip of rows covers of an outline.
 struct Strip {
@@ -31,10 +28,10 @@ double disc_integral(double t, double r) {
 }
 
 /// The part of a polygon below (sign = 1) or above (sign = -1) the line y = level.
-Polygon clip(const Polygon& polygon, double level, double sign) {
-  Polygon result;
+OutlineCorners clip(const OutlineCorners& polygon, double level, double sign) {
+  OutlineCorners result;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const Point a = polygon[i], b = polygon[(i + 1) % polygon.size()];
+    const Vec2d a = polygon[i], b = polygon[(i + 1) % polygon.size()];
     const double da = sign * (a.y - level), db = sign * (b.y - level);
     if (da >= 0) result.push_back(a);
     if ((da < 0) != (db < 0)) {
@@ -45,10 +42,10 @@ Polygon clip(const Polygon& polygon, double level, double sign) {
   return result;
 }
 
-Strip measure(const Polygon& polygon) {
+Strip measure(const OutlineCorners& polygon) {
   double area = 0, moment = 0, top = 0, bottom = 0;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const Point a = polygon[i], b = polygon[(i + 1) % polygon.size()];
+    const Vec2d a = polygon[i], b = polygon[(i + 1) % polygon.size()];
     const double cross = a.x * b.y - b.x * a.y;
     area += cross / 2;
     moment += cross * (a.x + b.x) / 6;
@@ -62,19 +59,7 @@ Strip measure(const Polygon& polygon) {
 /// An outline of diameter 1, to be scaled.
 class Outline {
  public:
-  Outline(BlurShape shape, const Aperture& aperture) {
-    if (shape == BlurShape::kBox) {
-      const double half = std::sqrt(std::numbers::pi) / 4;
-      corners_ = {{-half, -half}, {half, -half}, {half, half}, {-half, half}};
-    }
-    if (shape == BlurShape::kAperture && aperture.blades != 0) {
-      const double turn = aperture.rotation_deg * std::numbers::pi / 180;
-      for (int i = 0; i < aperture.blades; ++i) {
-        const double angle = turn + 2 * std::numbers::pi * i / aperture.blades;
-        corners_.push_back({std::cos(angle) / 2, -std::sin(angle) / 2});  // rows grow downwards
-      }
-    }
-  }
+  Outline(BlurShape shape, const Aperture& aperture) : corners_(outline_corners(shape, aperture)) {}
 
   /// The strip y0 ≤ y < y1 of the outline at this diameter.
   [[nodiscard]] Strip strip(double diameter, double y0, double y1) const {
@@ -83,14 +68,14 @@ class Outline {
       if (height <= 0) return {};
       return {2 * (disc_integral(y1, r) - disc_integral(y0, r)) / height, 0, height};
     }
-    Polygon scaled;
-    for (const Point& corner : corners_)
+    OutlineCorners scaled;
+    for (const Vec2d& corner : corners_)
       scaled.push_back({corner.x * diameter, corner.y * diameter});
     return measure(clip(clip(scaled, y0, 1), y1, -1));
   }
 
  private:
-  Polygon corners_;  // none: a disc
+  OutlineCorners corners_;  // none: a disc
 };
 
 /// Pixel i covers [i − ½, i + ½).
@@ -122,7 +107,6 @@ ApertureKernel kernel_of(const Outline& outline, double diameter) {
   }
   kernel.share = 1 / area;
   kernel.reach = reach_of(kernel);
-  kernel.side = span_of({std::sqrt(area), 0, 1});
   return kernel;
 }
 
@@ -142,18 +126,22 @@ ApertureKernel turned(const ApertureKernel& kernel) {
 
 // A pixel's own share of its light falls by half from a blur of 1 to one of 1.6 pixels: steps
 // there must be fine, or rings of neighbouring steps show.
-constexpr double kStepsPerPixel = 64, kEvenUpTo = 4, kStepsPerE = 256;
+constexpr double kStepsPerPixel = 64, kEvenUpTo = 4;
+constexpr int kDroppedBits = 15;  // of a float's mantissa of 23: 256 steps an octave are left
 
-std::size_t step_of(double diameter) {
-  const double step = diameter <= kEvenUpTo ? kStepsPerPixel * diameter
-                                            : kStepsPerPixel * kEvenUpTo +
-                                                  kStepsPerE * std::log(diameter / kEvenUpTo);
-  return static_cast<std::size_t>(std::lround(step));
+/// Where steps cease to be even, as the number that is left of a float's bits.
+constexpr std::uint32_t kEven = std::bit_cast<std::uint32_t>(4.0F) >> kDroppedBits;
+constexpr std::uint32_t kEvenSteps = 256;
+
+std::uint32_t step_of(double diameter) {
+  if (diameter <= kEvenUpTo) return static_cast<std::uint32_t>(kStepsPerPixel * diameter + 0.5);
+  const auto bits = std::bit_cast<std::uint32_t>(static_cast<float>(diameter));
+  return kEvenSteps + ((bits + (1U << (kDroppedBits - 1))) >> kDroppedBits) - kEven;
 }
 
-double diameter_of(std::size_t step) {
-  const double even = kStepsPerPixel * kEvenUpTo, s = static_cast<double>(step);
-  return s <= even ? s / kStepsPerPixel : kEvenUpTo * std::exp((s - even) / kStepsPerE);
+double diameter_of(std::uint32_t step) {
+  if (step <= kEvenSteps) return step / kStepsPerPixel;
+  return static_cast<double>(std::bit_cast<float>((step - kEvenSteps + kEven) << kDroppedBits));
 }
 
 }  // namespace
@@ -166,15 +154,16 @@ ApertureKernels::ApertureKernels(BlurShape shape, const Aperture& aperture,
                                  largest_diameter, kLargest));
   }
   const Outline outline(shape, aperture);
-  for (std::size_t step = 0; step <= step_of(largest_diameter); ++step) {
-    behind_.push_back(kernel_of(outline, diameter_of(std::max<std::size_t>(step, 1))));
+  for (std::uint32_t step = 0; step <= step_of(largest_diameter); ++step) {
+    behind_.push_back(kernel_of(outline, diameter_of(std::max(step, 1U))));
     before_.push_back(turned(behind_.back()));
   }
 }
 
 const ApertureKernel& ApertureKernels::of(double signed_diameter) const {
   const auto& kernels = signed_diameter < 0 ? before_ : behind_;
-  return kernels[std::min(step_of(std::abs(signed_diameter)), kernels.size() - 1)];
+  return kernels[std::min<std::size_t>(step_of(std::min(std::abs(signed_diameter), kLargest)),
+                                       kernels.size() - 1)];
 }
 
 }  // namespace relumbre

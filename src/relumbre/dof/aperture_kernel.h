@@ -4,15 +4,9 @@
 #include <cstddef>
 #include <vector>
 
-#include "relumbre/image/thin_lens.h"
+#include "relumbre/dof/outline.h"
 
 namespace relumbre {
-
-/// The outline of every blur.
-enum class BlurShape {
-  kBox,       ///< a square of the disc's area: two scans, in time independent of its size
-  kAperture,  ///< the lens's own: a disc, or a polygon of so many blades
-};
 
 /// How a pixel's light is shared out among those around it: by the area that the blur, an outline
 /// of diameter c around the pixel's centre, covers of each row; within a row from left to right
@@ -34,13 +28,12 @@ struct ApertureKernel {
   int reach = 0;     ///< columns to either side that are touched
   double share = 1;  ///< of the light, of a fully covered pixel
   std::vector<Span> rows;
-  Span side;  ///< of a box: its extent along x, and along y
 
   [[nodiscard]] int bottom() const { return top + static_cast<int>(rows.size()); }
 };
 
-/// Kernels of all diameters up to a largest: in steps of 1/64 pixel up to 4 pixels, of 0.4%
-/// beyond.
+/// Kernels of all diameters up to a largest: in steps of 1/64 pixel up to 4 pixels, of 256
+/// an octave beyond.
 class ApertureKernels {
  public:
   /// Kernels of both signs. Throws ValueError for a largest diameter that is not finite or above

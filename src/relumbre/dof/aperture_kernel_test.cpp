@@ -29,9 +29,8 @@ const std::vector<Shape> kShapes{
     {BlurShape::kAperture, {6, 0}},  {BlurShape::kAperture, {8, 22.5}},
     {BlurShape::kAperture, {3, 10}}, {BlurShape::kAperture, {5, -133}}};
 /// Diameters that kernels are made for exactly, small and large.
-const std::vector<double> kDiameters{
-    1.0 / 64,         0.5, 1, 1.59375, 2.5, 3.984375, 4 * std::exp(0.5), 4 * std::exp(300.0 / 256),
-    4 * std::exp(3.5)};
+const std::vector<double> kDiameters{1.0 / 64, 0.5,     1,        1.59375, 2.5,
+                                     3.984375, 6.59375, 12.90625, 132.5};
 
 double right_of(const ApertureKernel::Span& s) {
   return s.end + static_cast<double>(s.end_fraction) - 0.5;
@@ -112,7 +111,7 @@ TEST(ApertureKernel, RowsAreThoseOfTheOpeningsPoints) {
   for (const Shape& shape : kShapes) {
     if (shape.shape == BlurShape::kBox) continue;
     const ApertureKernels kernels = shape.kernels();
-    for (const double diameter : {2.5, 4 * std::exp(300.0 / 256), 4 * std::exp(1.75)}) {
+    for (const double diameter : {2.5, 12.90625, 23.0}) {
       const ApertureKernel& kernel = kernels.of(diameter);
       std::map<int, double> count, sum;
       for (std::uint32_t i = 0; i < kPoints; ++i) {
@@ -141,8 +140,6 @@ TEST(ApertureKernel, IsASquareWithTheDiscsArea) {
   for (const double diameter : kDiameters) {
     const ApertureKernel& kernel = kernels.of(diameter);
     const double side = std::sqrt(std::numbers::pi) / 2 * diameter;
-    EXPECT_NEAR(right_of(kernel.side), side / 2, 1e-6 * side + 1e-7);
-    EXPECT_NEAR(left_of(kernel.side), -side / 2, 1e-6 * side + 1e-7);
     EXPECT_NEAR(kernel.share * side * side, 1, 1e-6);
     for (const auto& row : kernel.rows) {
       EXPECT_NEAR(right_of(row), side / 2, 1e-6 * side + 1e-7);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "relumbre/base/error.h"
 
@@ -37,7 +38,8 @@ DepthLayers sort_into_layers(std::span<const Fragment> fragments, std::size_t he
                      .layers = layers,
                      .fragments = std::vector<Fragment>(fragments.size()),
                      .offsets = std::vector<std::uint32_t>(layers * height + 1),
-                     .reach = std::vector<float>(layers)};
+                     .reach = std::vector<float>(layers),
+                     .least = std::vector<float>(layers, std::numeric_limits<float>::infinity())};
   std::vector<std::uint32_t>& offsets = result.offsets;
   for (const Fragment& f : fragments) ++offsets[row_of(f) + 1];
   for (std::size_t row = 1; row < offsets.size(); ++row) offsets[row] += offsets[row - 1];
@@ -45,8 +47,8 @@ DepthLayers sort_into_layers(std::span<const Fragment> fragments, std::size_t he
   for (const Fragment& f : fragments) {
     const std::size_t row = row_of(f);
     result.fragments[next[row]++] = f;
-    float& reach = result.reach[row / height];
-    reach = std::max(reach, std::abs(f.coc));
+    float &reach = result.reach[row / height], &least = result.least[row / height];
+    reach = std::max(reach, std::abs(f.coc)), least = std::min(least, std::abs(f.coc));
   }
   return result;
 }

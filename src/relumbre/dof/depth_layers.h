@@ -16,7 +16,7 @@ struct DepthLayers {
   std::size_t height = 0, layers = 0;
   std::vector<Fragment> fragments;
   std::vector<std::uint32_t> offsets;  ///< of row y of layer l: offsets[l · height + y]
-  std::vector<float> reach;            ///< the largest |coc| of a layer's fragments
+  std::vector<float> reach, least;     ///< the largest and the least |coc| of a layer's fragments
 
   /// Of rows [y0, y1) of a layer.
   [[nodiscard]] std::span<const Fragment> rows(std::size_t layer, std::size_t y0,

@@ -3,7 +3,6 @@
 #include "relumbre/dof/focus.h"
 #include "relumbre/dof/gather.h"
 #include "relumbre/dof/infill.h"
-#include "relumbre/dof/layered.h"
 
 namespace relumbre {
 
@@ -31,7 +30,7 @@ std::vector<Rgba> depth_of_field(const DepthPicture& picture, const DofConfig& c
     return depth_of_field(filled(picture, config), as_it_is, progress);
   }
   if (config.method == DofMethod::kLayered) {
-    return layered(picture, config.lens, {config.spread.layers, config.spread.largest_diameter},
+    return layered(picture, config.lens, {config.layered_steps, config.spread.largest_diameter},
                    progress);
   }
   return spread(picture, config.lens, config.spread, progress);

@@ -6,6 +6,7 @@
 
 #include "relumbre/base/progress.h"
 #include "relumbre/dof/depth_picture.h"
+#include "relumbre/dof/layered.h"
 #include "relumbre/dof/spread.h"
 #include "relumbre/image/thin_lens.h"
 
@@ -20,9 +21,10 @@ enum class DofMethod {
 struct DofConfig {
   ThinLens lens = {};
   DofMethod method = DofMethod::kSpread;
-  /// The box of `gather` and `layered` is as wide as the circle of confusion; shape and aperture
-  /// are of `spread` alone.
+  /// The box of `gather` is as wide as the circle of confusion, that of `layered` has its area;
+  /// shape and aperture are of `spread` alone, its largest diameter is of all.
   SpreadConfig spread = {};
+  std::size_t layered_steps = LayeredConfig{}.layers;  ///< of `layered`; spread.layers otherwise
   /// Where the picture does not say what lies behind, guess it: see infill.h. Not for `gather`.
   bool infill = false;
 };

@@ -27,7 +27,7 @@ DepthPicture foreground() {
 
 DofConfig config_of(DofMethod method) {
   DofConfig config{.lens = kLens, .method = method};
-  config.spread.layers = 9;
+  config.spread.layers = config.layered_steps = 9;
   config.spread.largest_diameter = 12;
   return config;
 }

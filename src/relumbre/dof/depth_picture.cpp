@@ -4,12 +4,11 @@
 #include <cmath>
 #include <limits>
 #include <optional>
-#include <string_view>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "relumbre/base/error.h"
+#include "relumbre/dof/picture_channels.h"
 
 namespace relumbre {
 
@@ -18,57 +17,6 @@ namespace {
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 /// Blender writes 1e10, others 1e30 or the largest half where there is nothing.
 constexpr float kFar = 1e9F;
-
-std::string names_of(const Image& image) {
-  std::vector<std::string> names;
-  for (const auto& channel : image.channels()) names.push_back(channel.name);
-  return fmt::format("{}", fmt::join(names, ", "));
-}
-
-bool has_color(const Image& image, const std::string& prefix) {
-  return image.has(prefix + "R") && image.has(prefix + "G") && image.has(prefix + "B");
-}
-
-/// Prefix of the first channel that ends so and has R, G and B.
-std::optional<std::string> find_prefix(const Image& image, std::string_view end) {
-  for (const auto& channel : image.channels()) {
-    if (!channel.name.ends_with(end) || channel.name.starts_with("layer1.")) continue;
-    std::string prefix = channel.name.substr(0, channel.name.size() - 1);
-    if (has_color(image, prefix)) return prefix;
-  }
-  return std::nullopt;
-}
-
-/// Prefix of the colour: the plain one first, then Blender's, whose other passes (AO, DiffCol) are
-/// colours too, then the first layer that has R, G and B.
-std::string find_color(const Image& image, const std::string& asked) {
-  if (asked != DepthPictureConfig::kFind) {
-    if (has_color(image, asked)) return asked;
-    throw ValueError(
-        fmt::format("no channels {0}R, {0}G, {0}B; there are: {1}", asked, names_of(image)));
-  }
-  if (has_color(image, "")) return "";
-  if (const auto combined = find_prefix(image, "Combined.R")) return *combined;
-  if (const auto any = find_prefix(image, ".R")) return *any;
-  throw ValueError(fmt::format("no channels R, G, B; there are: {}", names_of(image)));
-}
-
-bool names_depth(const std::string& name) {
-  const auto ends = [&name](const char* end) { return name.ends_with(end); };
-  return ends("Depth.Z") || ends("depth.Z") || ends("Depth.V") || ends("depth.V");
-}
-
-std::string find_depth(const Image& image, const std::string& asked) {
-  if (asked != DepthPictureConfig::kFind) {
-    if (image.has(asked)) return asked;
-    throw ValueError(fmt::format("no channel {}; there are: {}", asked, names_of(image)));
-  }
-  if (image.has("Z")) return "Z";
-  for (const auto& channel : image.channels()) {
-    if (names_depth(channel.name)) return channel.name;
-  }
-  throw ValueError(fmt::format("no depth channel (Z); there are: {}", names_of(image)));
-}
 
 [[noreturn]] void throw_depth(float z, std::size_t pixel, std::size_t width) {
   throw ValueError(
@@ -144,8 +92,7 @@ DepthPicture depth_picture(const Image& image, const DepthPictureConfig& config)
   if (config.radial && !(config.pixels_per_tangent > 0)) {
     throw ValueError("radial depth: the camera's angle of view is needed");
   }
-  const std::string color = find_color(image, config.color);
-  const std::string depth = find_depth(image, config.depth);
+  const auto [color, depth] = find_channels(image, config);
   DepthPicture picture;
   picture.width = image.width();
   picture.height = image.height();

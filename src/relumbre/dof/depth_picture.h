@@ -39,10 +39,13 @@ struct DepthPicture {
 /// Where colour and depth are in an image, and what they mean.
 struct DepthPictureConfig {
   /// Colour's prefix: "" for R, G, B; "ViewLayer.Combined." for what Blender writes. By itself
-  /// (kFind), R, G, B; else the first that ends in "Combined."; else the first with R, G and B.
+  /// (kFind), R, G, B; else the one that ends in "Combined.", of several the only one whose layer
+  /// has a depth; else the first with R, G and B.
   std::string color = kFind;
-  /// The depth channel: by itself, `Z`, or else the first that ends in Depth.Z, depth.Z, Depth.V or
-  /// depth.V.
+  /// The depth channel: by itself, of `Z` and those that end in Depth.Z, depth.Z, Depth.V or
+  /// depth.V the first of the colour's own layer ("ViewLayer." of the one above), or else of a
+  /// layer without a colour. Colour and depth of two view layers are only taken together if both
+  /// are asked for.
   std::string depth = kFind;
   /// Depth is the distance along the ray, not along the camera's axis. It is converted with
   /// `pixels_per_tangent`: the length in pixels of a metre at a depth of one metre.
@@ -57,7 +60,8 @@ struct DepthPictureConfig {
 /// Reads colour, depth and, where the image has `layer1.R` … `layer1.Z`, what lies behind.
 /// No data: a depth of 0, of +inf, or of 1e9 and more (renderers differ) becomes +inf; a
 /// `layer1.Z` of 0 stays 0. An image without alpha is opaque. Throws ValueError naming the channel
-/// that is missing, and the channels that are there; for NaN or negative depth, naming the pixel.
+/// that is missing, and the channels that are there, or the layers between which it cannot choose;
+/// for NaN or negative depth, naming the pixel.
 DepthPicture depth_picture(const Image& image, const DepthPictureConfig& config = {});
 
 /// R, G, B, A of colours.

@@ -76,6 +76,46 @@ TEST(DepthPicture, TakesTheChannelsThatAreChosen) {
   expect_all(depth_picture(image, {.color = "", .depth = "Z"}).front, {4, 3, 2, 1}, 5);
 }
 
+std::vector<std::string> view_layer(const std::string& name, bool depth) {
+  std::vector<std::string> names{name + ".Combined.B", name + ".Combined.G", name + ".Combined.R"};
+  if (depth) names.push_back(name + ".Depth.Z");
+  return names;
+}
+
+Image two_layers(bool first_has_depth, bool second_has_depth) {
+  std::vector<std::string> names = view_layer("Back", first_has_depth);
+  const auto second = view_layer("Front", second_has_depth);
+  names.insert(names.end(), second.begin(), second.end());
+  return numbered(names);
+}
+
+TEST(DepthPicture, ColourAndDepthAreOfOneViewLayer) {
+  // The only layer that has both, whichever comes first.
+  expect_all(depth_picture(two_layers(true, false)).front, {3, 2, 1, 1}, 4);
+  expect_all(depth_picture(two_layers(false, true)).front, {6, 5, 4, 1}, 7);
+  // Of two, the one that is asked for, by its colour or by its depth.
+  const Image both = two_layers(true, true);
+  expect_all(depth_picture(both, {.color = "Front.Combined."}).front, {7, 6, 5, 1}, 8);
+  expect_all(depth_picture(both, {.depth = "Front.Depth.Z"}).front, {7, 6, 5, 1}, 8);
+  // Mixed only on request.
+  const DepthPictureConfig mixed{.color = "Front.Combined.", .depth = "Back.Depth.Z"};
+  expect_all(depth_picture(both, mixed).front, {7, 6, 5, 1}, 4);
+}
+
+TEST(DepthPicture, OfSeveralViewLayersNoneIsTakenByChance) {
+  EXPECT_THAT(
+      [] { (void)depth_picture(two_layers(true, true)); },
+      ThrowsMessage<ValueError>(AllOf(HasSubstr("Back.Combined."), HasSubstr("Front.Combined."))));
+  EXPECT_THAT(
+      [] { (void)depth_picture(two_layers(true, false), {.color = "Front.Combined."}); },
+      ThrowsMessage<ValueError>(AllOf(HasSubstr("Front.Combined."), HasSubstr("Back.Depth.Z"))));
+  EXPECT_THAT(
+      [] {
+        (void)depth_picture(numbered({"R", "G", "B", "near.Depth.Z", "far.Depth.Z"}));
+      },
+      ThrowsMessage<ValueError>(AllOf(HasSubstr("near.Depth.Z"), HasSubstr("far.Depth.Z"))));
+}
+
 TEST(DepthPicture, WithoutAlphaItIsOpaque) {
   expect_all(depth_picture(numbered({"B", "G", "R", "Z"})).front, {3, 2, 1, 1}, 4);
 }

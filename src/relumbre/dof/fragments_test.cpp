@@ -69,7 +69,8 @@ TEST(Fragments, WhatLiesBehindIsAddedWhereItIsRevealed) {
   std::vector<float> behind(picture.pixels());
   for (std::size_t i = 0; i < behind.size(); ++i) behind[i] = 0.025F * static_cast<float>(i % 70);
 
-  const std::vector<std::uint8_t> shown = revealed(picture, front, behind);
+  const std::vector<std::uint8_t> shown =
+      revealed(picture, SurfaceEdges(front, picture.width, picture.height), front, behind);
   const std::vector<Fragment> fragments = fragments_of(picture, front, behind);
   const std::size_t hidden = std::accumulate(shown.begin(), shown.end(), std::size_t{0});
   EXPECT_GT(hidden, 0U);

@@ -13,6 +13,9 @@ namespace relumbre {
 
 namespace {
 
+/// Weights of pixels of one surface, and of those whose colour may be that of two.
+constexpr float kPure = 1, kMixed = 1e-3F;
+
 /// The mean of the farthest surface in a square of pixels.
 struct Cell {
   float coc = -std::numeric_limits<float>::infinity();
@@ -59,9 +62,7 @@ struct Level {
   }
 };
 
-/// Pixels whose colour may be that of two surfaces hardly count.
 Level finest(const DepthPicture& picture, std::span<const float> circles) {
-  constexpr float kPure = 1, kMixed = 1e-3F;
   const auto mixed = SurfaceEdges(circles, picture.width, picture.height).pixels();
   Level level{picture.width, picture.height, std::vector<Cell>(picture.pixels())};
   for (std::size_t i = 0; i < picture.pixels(); ++i) {
@@ -92,9 +93,9 @@ std::vector<Level> pyramid(const DepthPicture& picture, std::span<const float> c
 }
 
 /// The mean of those of the four cells around a pixel that lie behind `coc`, weighted by how near
-/// they are.
+/// they are. Cells of less than `least` weight are passed over.
 std::optional<Cell> behind_in(const Level& level, std::size_t cell_size, std::size_t x,
-                              std::size_t y, float coc) {
+                              std::size_t y, float coc, float least) {
   const float scale = 1 / static_cast<float>(cell_size);
   const float fx = (static_cast<float>(x) + 0.5F) * scale - 0.5F,
               fy = (static_cast<float>(y) + 0.5F) * scale - 0.5F;
@@ -105,7 +106,8 @@ std::optional<Cell> behind_in(const Level& level, std::size_t cell_size, std::si
       const Cell cell =
           level.at(static_cast<std::ptrdiff_t>(x0) + i, static_cast<std::ptrdiff_t>(y0) + j);
       const float wx = i == 0 ? 1 - (fx - x0) : fx - x0, wy = j == 0 ? 1 - (fy - y0) : fy - y0;
-      if (cell.coc > coc + kOneSurface) add(sum, cell, (wx * wy + 1e-3F) * cell.weight);
+      if (cell.coc > coc + kOneSurface && cell.weight >= least)
+        add(sum, cell, (wx * wy + 1e-3F) * cell.weight);
     }
   }
   if (sum.weight == 0) return std::nullopt;
@@ -114,15 +116,23 @@ std::optional<Cell> behind_in(const Level& level, std::size_t cell_size, std::si
 
 /// In the finest level that has one.
 std::optional<Cell> find_behind(const std::vector<Level>& levels, std::size_t x, std::size_t y,
-                                float coc) {
+                                float coc, float least) {
   for (std::size_t l = 1; l < levels.size(); ++l) {
     const std::size_t size = std::size_t{1} << l;
-    const std::optional<Cell> cell = behind_in(levels[l], size, x, y, coc);
+    const std::optional<Cell> cell = behind_in(levels[l], size, x, y, coc, least);
     if (!cell) continue;
     const float reach = (cell->coc - coc) / 2 + 1;
     return static_cast<float>(size) / 2 <= reach ? cell : std::nullopt;
   }
   return std::nullopt;
+}
+
+/// The colour of mixed pixels is partly that of what lies before them, and would glow beside it:
+/// they only count where nothing else is in reach.
+std::optional<Cell> guess_behind(const std::vector<Level>& levels, std::size_t x, std::size_t y,
+                                 float coc) {
+  const std::optional<Cell> pure = find_behind(levels, x, y, coc, kPure);
+  return pure ? pure : find_behind(levels, x, y, coc, kMixed);
 }
 
 }  // namespace
@@ -134,7 +144,7 @@ PictureLayer fill_behind(const DepthPicture& picture, std::span<const float> cir
   parallel_for(0, picture.height, 16, [&](std::size_t y) {
     for (std::size_t x = 0; x < picture.width; ++x) {
       const std::size_t i = y * picture.width + x;
-      if (const auto cell = find_behind(levels, x, y, circles[i])) {
+      if (const auto cell = guess_behind(levels, x, y, circles[i])) {
         layer.color[i] = cell->color;
         layer.depth[i] = cell->inverse_depth > 0 ? 1 / cell->inverse_depth
                                                  : std::numeric_limits<float>::infinity();

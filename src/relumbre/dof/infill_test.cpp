@@ -132,6 +132,22 @@ TEST(Infill, MixedPixelsHardlyColourWhatIsFilledIn) {
   EXPECT_NEAR(c.b, 1, 0.02F);
 }
 
+TEST(Infill, NothingGlowsBesideAnEdge) {
+  // Wherever the edge lies in the pyramid's squares, some of which have nothing but mixed pixels.
+  for (std::size_t edge = 50; edge < 58; ++edge) {
+    DepthPicture picture = plane(90, 60, 2, kBlue);
+    add_rectangle(picture, 30, edge, 0, 60, 1, kRed);
+    add_rectangle(picture, edge, edge + 1, 0, 60, 2, {0.5F, 0.125F, 0.5F, 1});
+    const PictureLayer layer = filled(picture);
+    for (std::size_t x = 42; x < edge; ++x) {
+      const Rgba c = layer.color[30 * 90 + x];
+      if (c.a > 0) {
+        ASSERT_NEAR(c.r, 0, 0.02F) << edge << ": " << x;
+      }
+    }
+  }
+}
+
 TEST(Infill, AwkwardSizesWork) {
   for (const auto& [width, height] :
        {std::pair{1U, 1U}, {2U, 1U}, {1U, 33U}, {33U, 1U}, {3U, 3U}}) {

@@ -5,6 +5,7 @@
 
 #include "relumbre/base/parallel.h"
 #include "relumbre/dof/box_blur.h"
+#include "relumbre/dof/cover.h"
 #include "relumbre/dof/depth_layers.h"
 #include "relumbre/dof/focus.h"
 
@@ -12,26 +13,40 @@ namespace relumbre {
 
 namespace {
 
-/// One layer's colours where they are, and the mean of its circles of confusion.
-float draw(std::span<const Fragment> fragments, std::size_t width, std::span<Rgba> canvas) {
-  std::ranges::fill(canvas, Rgba{});
+/// Side of the box that has the area of a disc of diameter 1: √π / 2.
+constexpr float kBoxSide = 0.8862269F;
+
+/// One layer where it is.
+struct Canvas {
+  std::vector<Rgba> color;
+  std::vector<float> coverage;  // of each pixel
+  float circle = 0;             // the mean circle of confusion
+
+  explicit Canvas(std::size_t pixels) : color(pixels), coverage(pixels) {}
+  void draw(std::span<const Fragment> fragments, std::size_t width);
+  void blur(std::size_t width, std::size_t height);
+};
+
+void Canvas::draw(std::span<const Fragment> fragments, std::size_t width) {
+  std::ranges::fill(color, Rgba{}), std::ranges::fill(coverage, 0.0F);
   double sum = 0;
   for (const Fragment& f : fragments) {
-    Rgba& c = canvas[f.y * width + f.x];
+    Rgba& c = color[f.y * width + f.x];
     c.r += f.color.r, c.g += f.color.g, c.b += f.color.b, c.a += f.color.a;
+    coverage[f.y * width + f.x] += f.coverage;
     sum += static_cast<double>(f.coc);
   }
-  return static_cast<float>(sum / static_cast<double>(fragments.size()));
+  circle = static_cast<float>(sum / static_cast<double>(fragments.size()));
 }
 
-/// Porter and Duff's "over".
-void lay_over(std::span<const Rgba> layer, std::span<Rgba> result) {
-  parallel_for(0, result.size(), 1 << 14, [&](std::size_t i) {
-    const Rgba &top = layer[i], &below = result[i];
-    const float rest = 1 - std::min(top.a, 1.0F);
-    result[i] = {top.r + below.r * rest, top.g + below.g * rest, top.b + below.b * rest,
-                 top.a + below.a * rest};
-  });
+void Canvas::blur(std::size_t width, std::size_t height) {
+  const auto radius = static_cast<double>(box_radius(kBoxSide * circle));
+  if (radius == 0) return;
+  const SummedAreaTable colors = rgba_table(color, width, height);
+  box_filter(colors, radius, {.mode = Border::kClamp}, flat(color));
+  const SummedAreaTable weights =
+      SummedAreaTable::build(coverage, width, height, 1, {.kind = SatKind::kFloat64});
+  box_filter(weights, radius, {.mode = Border::kClamp}, coverage);
 }
 
 }  // namespace
@@ -47,19 +62,23 @@ std::vector<Rgba> layered(const DepthPicture& picture, const ThinLens& lens,
                        picture.height, config.layers);
 
   progress.begin("blurring layers", layers.layers);
-  std::vector<Rgba> result(picture.pixels()), canvas(picture.pixels());
-  for (std::size_t layer = layers.layers; layer-- > 0;) {
+  Canvas canvas(picture.pixels());
+  Cover cover(picture.pixels());
+  for (std::size_t layer = 0; layer < layers.layers; ++layer) {
     progress.check();
     const auto fragments = layers.rows(layer, 0, picture.height);
     if (!fragments.empty()) {
-      const float circle = draw(fragments, picture.width, canvas);
-      const SummedAreaTable table = rgba_table(canvas, picture.width, picture.height);
-      box_filter(table, static_cast<double>(box_radius(circle)), {.mode = Border::kClamp},
-                 flat(canvas));
-      lay_over(canvas, result);
+      canvas.draw(fragments, picture.width);
+      canvas.blur(picture.width, picture.height);
+      const double tolerance = tolerance_of(static_cast<double>(layers.reach[layer]));
+      parallel_for(0, picture.pixels(), 1 << 14, [&](std::size_t i) {
+        cover.add(i, canvas.color[i], static_cast<double>(canvas.coverage[i]), tolerance);
+      });
     }
     progress.advance(1);
   }
+  std::vector<Rgba> result(picture.pixels());
+  parallel_for(0, picture.pixels(), 1 << 14, [&](std::size_t i) { result[i] = cover.color(i); });
   return result;
 }
 

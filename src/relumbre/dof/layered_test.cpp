@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include <gtest/gtest.h>
 
 #include "relumbre/base/error.h"
 #include "relumbre/base/parallel.h"
+#include "relumbre/dof/cover.h"
 #include "relumbre/dof/depth_layers.h"
 #include "relumbre/dof/focus.h"
 #include "relumbre/dof/slow_box_testing.h"
@@ -37,7 +39,7 @@ void expect_near(const std::vector<Rgba>& a, const std::vector<Rgba>& b, float t
   }
 }
 
-/// Every layer by itself, from back to front.
+/// Every layer by itself, from front to back.
 std::vector<Rgba> slow_layered(const DepthPicture& picture, const ThinLens& lens,
                                const LayeredConfig& config) {
   const auto circles = [&](const PictureLayer& layer) {
@@ -46,26 +48,29 @@ std::vector<Rgba> slow_layered(const DepthPicture& picture, const ThinLens& lens
   const DepthLayers layers =
       sort_into_layers(fragments_of(picture, circles(picture.front), circles(picture.behind)),
                        picture.height, config.layers);
-  std::vector<Rgba> result(picture.pixels());
-  for (std::size_t layer = config.layers; layer-- > 0;) {
+  Cover cover(picture.pixels());
+  for (std::size_t layer = 0; layer < config.layers; ++layer) {
     const auto fragments = layers.rows(layer, 0, picture.height);
     if (fragments.empty()) continue;
-    std::vector<Rgba> canvas(picture.pixels());
+    std::vector<Rgba> colors(picture.pixels()), coverages(picture.pixels());
     double circle = 0;
     for (const Fragment& f : fragments) {
-      Rgba& c = canvas[f.y * picture.width + f.x];
+      Rgba& c = colors[f.y * picture.width + f.x];
       c = {c.r + f.color.r, c.g + f.color.g, c.b + f.color.b, c.a + f.color.a};
+      coverages[f.y * picture.width + f.x].a += f.coverage;
       circle += static_cast<double>(f.coc) / static_cast<double>(fragments.size());
     }
-    const auto radius = static_cast<float>(std::max((std::abs(circle) - 1) / 2, 0.0));
-    canvas = slow_box(canvas, picture.width, picture.height,
-                      std::vector<float>(picture.pixels(), radius));
-    for (std::size_t i = 0; i < result.size(); ++i) {
-      const float rest = 1 - std::min(canvas[i].a, 1.0F);
-      result[i] = {canvas[i].r + rest * result[i].r, canvas[i].g + rest * result[i].g,
-                   canvas[i].b + rest * result[i].b, canvas[i].a + rest * result[i].a};
-    }
+    const double side = std::sqrt(std::numbers::pi) / 2 * std::abs(circle);
+    const std::vector<float> radii(picture.pixels(),
+                                   static_cast<float>(std::max((side - 1) / 2, 0.0)));
+    colors = slow_box(colors, picture.width, picture.height, radii);
+    coverages = slow_box(coverages, picture.width, picture.height, radii);
+    for (std::size_t i = 0; i < colors.size(); ++i)
+      cover.add(i, colors[i], static_cast<double>(coverages[i].a),
+                tolerance_of(static_cast<double>(layers.reach[layer])));
   }
+  std::vector<Rgba> result;
+  for (std::size_t i = 0; i < picture.pixels(); ++i) result.push_back(cover.color(i));
   return result;
 }
 
@@ -73,6 +78,17 @@ TEST(Layered, ConstantPictureStaysConstant) {
   for (const float depth : {0.7F, 2.0F, 9.0F, std::numeric_limits<float>::infinity()}) {
     const DepthPicture picture = plane(83, 61, depth);
     expect_near(layered(picture, blurring(20, 83, 1)), picture.front.color, 1e-6F);
+  }
+}
+
+TEST(Layered, ASurfaceThatCrossesLayersHidesWhatLiesBehind) {
+  DepthPicture picture = plane(90, 60, 2, kBlue);
+  for (std::size_t i = 0; i < picture.pixels(); ++i)
+    picture.front.depth[i] = 1.2F + 0.03F * static_cast<float>(i % 90);
+  picture.behind = plane(90, 60, 40, {1000, 0, 0, 1}).front;
+  for (const Rgba& c : layered(picture, blurring(12, 90, 1.2))) {
+    ASSERT_NEAR(c.r, 0, 1e-3F);
+    ASSERT_NEAR(c.b, 1, 1e-5F);
   }
 }
 
@@ -113,9 +129,10 @@ TEST(Layered, BlurredForegroundHasASoftSilhouetteOnBothSides) {
   picture.behind = plane(kWidth, 40, 2, kBlue).front;
   const auto result = layered(picture, blurring(30, kWidth, 1));
   const Rgba* row = &result[20 * kWidth];
-  // A box of width 30 over the edge: a ramp.
+  // A box of the area of a disc of diameter 30 over the edge: a ramp.
+  const double side = std::sqrt(std::numbers::pi) / 2 * 30;
   for (int d = -20; d < 20; ++d) {
-    const double share = std::clamp(0.5 - (d + 0.5) / 30.0, 0.0, 1.0);
+    const double share = covered(std::clamp(0.5 - (d + 0.5) / side, 0.0, 1.0), tolerance_of(30));
     const Rgba& c = row[static_cast<int>(kEdge) + d];
     EXPECT_NEAR(c.r, share, 0.01) << d;
     EXPECT_NEAR(c.b, 1 - share, 0.01) << d;

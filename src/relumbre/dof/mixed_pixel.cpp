@@ -3,9 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-
-#include "relumbre/dof/surface_edges.h"
-
 namespace relumbre {
 
 namespace {
@@ -62,10 +59,9 @@ float share_of(const Rgba& c, const Rgba& a, const Rgba& b) {
 
 }  // namespace
 
-Unmixer::Unmixer(const DepthPicture& picture, std::span<const float> front)
-    : picture_(picture),
-      front_(front),
-      mixed_(SurfaceEdges(front, picture.width, picture.height).pixels()) {}
+Unmixer::Unmixer(const DepthPicture& picture, std::span<const float> front,
+                 const SurfaceEdges& edges)
+    : picture_(picture), front_(front), mixed_(edges.pixels()) {}
 
 std::optional<MixedPixel> Unmixer::operator()(std::size_t x, std::size_t y) const {
   const std::size_t here = y * picture_.width + x;

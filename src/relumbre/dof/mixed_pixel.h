@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "relumbre/dof/depth_picture.h"
+#include "relumbre/dof/surface_edges.h"
 
 namespace relumbre {
 
@@ -23,8 +24,9 @@ struct MixedPixel {
 /// is the pixel's colour exactly.
 class Unmixer {
  public:
-  /// `front`: signed circles of confusion of picture.front. Both outlive this. O(pixels).
-  Unmixer(const DepthPicture& picture, std::span<const float> front);
+  /// `front`: signed circles of confusion of picture.front, `edges` theirs. The first two outlive
+  /// this. O(pixels).
+  Unmixer(const DepthPicture& picture, std::span<const float> front, const SurfaceEdges& edges);
 
   /// Nothing where there is no jump between the pixel and one beside it.
   [[nodiscard]] std::optional<MixedPixel> operator()(std::size_t x, std::size_t y) const;

@@ -43,11 +43,15 @@ struct SmoothEdge {
   }
 };
 
+Unmixer unmixer(const DepthPicture& picture, std::span<const float> circles) {
+  return {picture, circles, SurfaceEdges(circles, picture.width, picture.height)};
+}
+
 TEST(MixedPixel, TheShareOfASmoothEdgeIsFound) {
   for (const float share : {0.0F, 0.1F, 0.3F, 0.5F, 0.8F, 1.0F}) {
     for (const bool depth_is_near : {true, false}) {
       const SmoothEdge edge(share, depth_is_near);
-      const Unmixer unmix(edge.picture, edge.circles);
+      const Unmixer unmix = unmixer(edge.picture, edge.circles);
       for (std::size_t y = 0; y < SmoothEdge::kHeight; ++y) {
         const auto mixed = unmix(SmoothEdge::kEdge, y);
         ASSERT_TRUE(mixed.has_value());
@@ -63,7 +67,7 @@ TEST(MixedPixel, TheShareOfASmoothEdgeIsFound) {
 
 TEST(MixedPixel, UnmixedPixelsBesideAnEdgeStayWhole) {
   const SmoothEdge edge(0.4F, true);
-  const Unmixer unmix(edge.picture, edge.circles);
+  const Unmixer unmix = unmixer(edge.picture, edge.circles);
   const auto beside = unmix(SmoothEdge::kEdge + 1, 4);
   ASSERT_TRUE(beside.has_value());
   EXPECT_NEAR(beside->share, 0, 2e-3F);
@@ -71,7 +75,7 @@ TEST(MixedPixel, UnmixedPixelsBesideAnEdgeStayWhole) {
 
 TEST(MixedPixel, AwayFromEdgesNothingIsMixed) {
   const SmoothEdge edge(0.4F, true);
-  const Unmixer unmix(edge.picture, edge.circles);
+  const Unmixer unmix = unmixer(edge.picture, edge.circles);
   for (std::size_t y = 0; y < SmoothEdge::kHeight; ++y) {
     for (std::size_t x = 0; x < SmoothEdge::kWidth; ++x) {
       const bool at_jump = x == SmoothEdge::kEdge || x == SmoothEdge::kEdge + 1;
@@ -86,7 +90,7 @@ TEST(MixedPixel, TheMixtureIsThePixelsColour) {
   std::vector<float> circles(picture.pixels());
   RandomStream random(3);
   for (float& circle : circles) circle = 40 * random.uniform() - 20;
-  const Unmixer unmix(picture, circles);
+  const Unmixer unmix = unmixer(picture, circles);
   std::size_t found = 0;
   for (std::size_t i = 0; i < picture.pixels(); ++i) {
     const auto mixed = unmix(i % 41, i / 41);
@@ -106,7 +110,7 @@ TEST(MixedPixel, TheMixtureIsThePixelsColour) {
 TEST(MixedPixel, WhereBothSidesLookAlikeDepthDecides) {
   for (const bool depth_is_near : {true, false}) {
     const SmoothEdge edge(0.5F, depth_is_near, kRed, kRed);
-    const auto mixed = Unmixer(edge.picture, edge.circles)(SmoothEdge::kEdge, 3);
+    const auto mixed = unmixer(edge.picture, edge.circles)(SmoothEdge::kEdge, 3);
     ASSERT_TRUE(mixed.has_value());
     EXPECT_EQ(mixed->share, depth_is_near ? 1 : 0);
   }
@@ -114,7 +118,7 @@ TEST(MixedPixel, WhereBothSidesLookAlikeDepthDecides) {
 
 TEST(MixedPixel, ATransparentBackgroundIsASurfaceToo) {
   const SmoothEdge edge(0.25F, true, kRed, {});
-  const auto mixed = Unmixer(edge.picture, edge.circles)(SmoothEdge::kEdge, 3);
+  const auto mixed = unmixer(edge.picture, edge.circles)(SmoothEdge::kEdge, 3);
   ASSERT_TRUE(mixed.has_value());
   EXPECT_NEAR(mixed->share, 0.25, 2e-3F);
   expect_near(mixed->far, {}, 2e-3F);
@@ -125,13 +129,14 @@ TEST(MixedPixel, AwkwardSizesWork) {
     const DepthPicture picture = noise(width, height, 2);
     std::vector<float> circles(picture.pixels(), 9);
     circles[0] = -9;
-    const Unmixer unmix(picture, circles);
+    const Unmixer unmix = unmixer(picture, circles);
     const auto mixed = unmix(0, 0);
     ASSERT_TRUE(mixed.has_value());
     expect_near(mixture(mixed->share, mixed->near, mixed->far), picture.front.color[0], 1e-5F);
   }
   const DepthPicture one = plane(1, 1, 2);
-  EXPECT_FALSE(Unmixer(one, std::vector<float>{5})(0, 0).has_value());
+  const std::vector<float> circle{5};
+  EXPECT_FALSE(unmixer(one, circle)(0, 0).has_value());
 }
 
 }  // namespace

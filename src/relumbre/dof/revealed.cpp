@@ -5,8 +5,6 @@
 #include <limits>
 #include <utility>
 
-#include "relumbre/dof/surface_edges.h"
-
 namespace relumbre {
 
 namespace {
@@ -66,9 +64,8 @@ void spread_silhouettes(const SurfaceEdges& edges, Silhouettes& silhouettes, std
 
 }  // namespace
 
-std::vector<std::uint8_t> revealed(const DepthPicture& picture, std::span<const float> front,
-                                   std::span<const float> behind) {
-  const SurfaceEdges edges(front, picture.width, picture.height);
+std::vector<std::uint8_t> revealed(const DepthPicture& picture, const SurfaceEdges& edges,
+                                   std::span<const float> front, std::span<const float> behind) {
   Silhouettes silhouettes = find_silhouettes(front, edges, picture.width, picture.height);
   spread_silhouettes(edges, silhouettes, picture.width, picture.height);
   std::vector<std::uint8_t> result(front.size());

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "relumbre/dof/depth_picture.h"
+#include "relumbre/dof/surface_edges.h"
 
 namespace relumbre {
 
@@ -14,7 +15,8 @@ namespace relumbre {
 /// difference of their circles of confusion, `front` and `behind` (signed diameters, pixels); so
 /// no silhouette that is farther away reveals it, nor one past which only nearer things are seen.
 /// 0 where it is not known what lies behind. O(pixels).
-std::vector<std::uint8_t> revealed(const DepthPicture& picture, std::span<const float> front,
-                                   std::span<const float> behind);
+/// `edges`: of `front`.
+std::vector<std::uint8_t> revealed(const DepthPicture& picture, const SurfaceEdges& edges,
+                                   std::span<const float> front, std::span<const float> behind);
 
 }  // namespace relumbre

@@ -24,11 +24,16 @@ std::size_t count(const std::vector<std::uint8_t>& mask) {
   return std::accumulate(mask.begin(), mask.end(), std::size_t{0});
 }
 
+std::vector<std::uint8_t> revealed_by(const DepthPicture& picture, std::span<const float> front,
+                                      std::span<const float> behind) {
+  return revealed(picture, SurfaceEdges(front, picture.width, picture.height), front, behind);
+}
+
 TEST(Revealed, NothingWithoutASilhouette) {
   const DepthPicture picture = with_behind(40, 30);
   std::vector<float> front(picture.pixels());
   for (std::size_t i = 0; i < front.size(); ++i) front[i] = 3 * static_cast<float>(i % 40) - 90;
-  EXPECT_EQ(count(revealed(picture, front, std::vector<float>(front.size(), 100))), 0U);
+  EXPECT_EQ(count(revealed_by(picture, front, std::vector<float>(front.size(), 100))), 0U);
 }
 
 TEST(Revealed, AsFarAsHalfTheDifferenceOfTheCircles) {
@@ -38,7 +43,7 @@ TEST(Revealed, AsFarAsHalfTheDifferenceOfTheCircles) {
     std::vector<float> front(picture.pixels(), far);
     for (std::size_t i = 0; i < front.size(); ++i)
       if (i % kWidth < kEdge) front[i] = -20;
-    const auto mask = revealed(picture, front, std::vector<float>(front.size(), far));
+    const auto mask = revealed_by(picture, front, std::vector<float>(front.size(), far));
     const auto reach = static_cast<std::size_t>((far + 20) / 2);
     for (std::size_t i = 0; i < mask.size(); ++i) {
       const std::size_t x = i % kWidth;
@@ -54,7 +59,7 @@ TEST(Revealed, NotWhatLiesBehindAllThatIsSeenPastTheSilhouette) {
   for (std::size_t i = 0; i < front.size(); ++i)
     if (i % kWidth < kEdge) front[i] = -20;
   const auto shown = [&](float behind) {
-    return count(revealed(picture, front, std::vector<float>(front.size(), behind)));
+    return count(revealed_by(picture, front, std::vector<float>(front.size(), behind)));
   };
   EXPECT_EQ(shown(-4), 5 * 8U);
   EXPECT_EQ(shown(-10), 5 * 5U);  // something between the two
@@ -68,7 +73,7 @@ TEST(Revealed, OnlyWhereItIsKnownWhatLiesBehind) {
     if (i % 60 < 30) front[i] = -25;
   for (std::size_t i = 0; i < front.size(); ++i)
     if (i / 60 < 3) picture.behind.depth[i] = 0;
-  const auto mask = revealed(picture, front, std::vector<float>(front.size(), 5));
+  const auto mask = revealed_by(picture, front, std::vector<float>(front.size(), 5));
   EXPECT_EQ(count(mask), 4 * 15U);
   for (std::size_t i = 0; i < 3 * 60; ++i) EXPECT_EQ(mask[i], 0);
 }
@@ -78,7 +83,7 @@ TEST(Revealed, InfinitelyFarIsKnown) {
   std::ranges::fill(picture.behind.depth, std::numeric_limits<float>::infinity());
   std::vector<float> front(40, 8);
   std::fill_n(front.begin(), 20, -8.0F);
-  EXPECT_EQ(count(revealed(picture, front, std::vector<float>(40, 8))), 8U);
+  EXPECT_EQ(count(revealed_by(picture, front, std::vector<float>(40, 8))), 8U);
 }
 
 TEST(Revealed, NothingBehindWhatIsInFocusBesideWhatIsNearer) {
@@ -92,7 +97,7 @@ TEST(Revealed, NothingBehindWhatIsInFocusBesideWhatIsNearer) {
     front[i] = x < 40 ? -20.0F : x < 70 ? 0.0F : 10.0F;
     behind[i] = x < 40 ? 0.0F : 10.0F;
   }
-  const auto mask = revealed(picture, front, behind);
+  const auto mask = revealed_by(picture, front, behind);
   for (std::size_t i = 0; i < mask.size(); ++i) {
     const std::size_t x = i % kWidth;
     EXPECT_EQ(mask[i], (x >= 30 && x < 40) || (x >= 65 && x < 70) ? 1 : 0) << x;
@@ -116,7 +121,7 @@ TEST(Revealed, IsWhatDistancesToAllSilhouettePixelsSay) {
       if (edge) rim.emplace_back(x, y);
     }
   }
-  const auto mask = revealed(picture, front, std::vector<float>(front.size(), 12));
+  const auto mask = revealed_by(picture, front, std::vector<float>(front.size(), 12));
   for (int y = 0; y < kSize; ++y) {
     for (int x = 0; x < kSize; ++x) {
       double distance = 1e9;
@@ -137,7 +142,7 @@ TEST(Revealed, AwkwardSizesWork) {
     std::vector<float> front(picture.pixels(), 9);
     front[0] = -9;
     const std::vector<float> behind(picture.pixels(), 9);
-    EXPECT_EQ(count(revealed(picture, front, behind)), picture.pixels() > 1 ? 1U : 0U);
+    EXPECT_EQ(count(revealed_by(picture, front, behind)), picture.pixels() > 1 ? 1U : 0U);
   }
 }
 

@@ -7,7 +7,6 @@
 
 #include "relumbre/base/error.h"
 #include "relumbre/base/parallel.h"
-#include "relumbre/dof/spread_sums.h"
 #include "relumbre/dof/test_pictures.h"
 
 namespace relumbre {
@@ -111,30 +110,6 @@ TEST(Spread, BlursBeforeTheFocusAreTurnedByHalfATurn) {
     largest = std::max(largest, std::abs(static_cast<double>(behind[i].r - before[i].r)));
   }
   EXPECT_GT(largest, 1e-3);
-}
-
-/// The same kernels by two running sums and by rows, one fragment at a time.
-TEST(Spread, BoxInConstantTimeIsTheBoxByRows) {
-  constexpr std::size_t kWidth = 97, kHeight = 83;
-  const ApertureKernels kernels(BlurShape::kBox, {}, 90);
-  RandomStream random(5);
-  SpreadSums<OpaqueSum, true> fast(kWidth, kHeight, 10, 70);
-  SpreadSums<OpaqueSum, false> slow(kWidth, kHeight, 10, 70);
-  fast.clear(), slow.clear();
-  for (int i = 0; i < 500; ++i) {
-    const Fragment fragment{.x = static_cast<std::uint32_t>(random.uniform() * kWidth),
-                            .y = static_cast<std::uint32_t>(random.uniform() * kHeight),
-                            .coc = 90 * random.uniform() * random.uniform(),
-                            .color = {random.uniform(), random.uniform(), random.uniform(), 1}};
-    const ApertureKernel& kernel = kernels.of(static_cast<double>(fragment.coc));
-    fast.spread(fragment, kernel);
-    slow.spread(fragment, kernel);
-  }
-  fast.integrate(), slow.integrate();
-  for (std::size_t y = 0; y < 60; ++y)
-    for (std::size_t x = 0; x < kWidth; ++x)
-      for (int lane = 0; lane < 4; ++lane)
-        ASSERT_NEAR(fast.row(y)[x].lane[lane], slow.row(y)[x].lane[lane], 1e-5) << x << "," << y;
 }
 
 TEST(Spread, DoesNotDependOnTheNumberOfThreads) {

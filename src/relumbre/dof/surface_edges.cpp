@@ -2,10 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "relumbre/base/parallel.h"
 
 namespace relumbre {
+
+namespace {
+
+/// A jump is the same from both sides, so that four of eight neighbours are enough.
+struct Step {
+  int dx, dy;
+};
+constexpr Step kForward[] = {{1, 0}, {-1, 1}, {0, 1}, {1, 1}};
+
+}  // namespace
 
 float SurfaceEdges::expected(std::ptrdiff_t x, std::ptrdiff_t y, int dx, int dy) const {
   const float one = at(x - dx, y - dy);
@@ -13,14 +24,27 @@ float SurfaceEdges::expected(std::ptrdiff_t x, std::ptrdiff_t y, int dx, int dy)
   return 2 * one - at(x - 2 * dx, y - 2 * dy);
 }
 
-bool SurfaceEdges::jump(std::size_t x, std::size_t y, int dx, int dy) const {
-  const auto x0 = static_cast<std::ptrdiff_t>(x), y0 = static_cast<std::ptrdiff_t>(y);
-  const std::ptrdiff_t x1 = x0 + dx, y1 = y0 + dy;
-  if (!inside(x1, y1)) return false;
-  const float here = at(x0, y0), there = at(x1, y1);
+bool SurfaceEdges::find_jump(std::ptrdiff_t x, std::ptrdiff_t y, int dx, int dy) const {
+  if (!inside(x + dx, y + dy)) return false;
+  const float here = at(x, y), there = at(x + dx, y + dy);
   if (std::abs(here - there) <= kOneSurface) return false;
-  return std::abs(there - expected(x1, y1, dx, dy)) > kOneSurface &&
-         std::abs(here - expected(x0, y0, -dx, -dy)) > kOneSurface;
+  return std::abs(there - expected(x + dx, y + dy, dx, dy)) > kOneSurface &&
+         std::abs(here - expected(x, y, -dx, -dy)) > kOneSurface;
+}
+
+SurfaceEdges::SurfaceEdges(std::span<const float> circles, std::size_t width, std::size_t height)
+    : circles_(circles),
+      width_(static_cast<std::ptrdiff_t>(width)),
+      height_(static_cast<std::ptrdiff_t>(height)),
+      jumps_(circles.size()) {
+  parallel_for(0, jumps_.size(), 1 << 14, [&](std::size_t i) {
+    const auto x = static_cast<std::ptrdiff_t>(i % width),
+               y = static_cast<std::ptrdiff_t>(i / width);
+    unsigned jumps = 0;
+    for (unsigned bit = 0; bit < std::size(kForward); ++bit)
+      if (find_jump(x, y, kForward[bit].dx, kForward[bit].dy)) jumps |= 1U << bit;
+    jumps_[i] = static_cast<std::uint8_t>(jumps);
+  });
 }
 
 float SurfaceEdges::slope_along(std::size_t x, std::size_t y, int dx, int dy) const {
