@@ -1,19 +1,17 @@
 // A real interior, end to end: bake, relight and look at the apartment of the data folder, with the
 // ceiling that it lacks. Writes apartment.glb, apartment.h5 and apartment-*.png beside the JSON.
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 
 #include <fmt/format.h>
 
-#include "relumbre/base/temporary_folder.h"
+#include "packed_scene.h"
 #include "relumbre/image/image_io.h"
 #include "relumbre/radiosity/seen_area.h"
 #include "relumbre/render/response_cache.h"
 #include "relumbre/render/view.h"
 #include "relumbre/scene/gltf_writer.h"
-#include "relumbre/scene/import.h"
 #include "relumbre/store/bake.h"
 #include "relumbre/store/store.h"
 #include "report.h"
@@ -56,18 +54,6 @@ void add_ceiling(Scene& scene) {
     scene.mesh.object.push_back(static_cast<std::uint32_t>(scene.objects.size() - 1));
     scene.mesh.two_sided.push_back(0);
   }
-}
-
-Scene load_apartment(const fs::path& data) {
-  const TemporaryFolder folder;
-  const std::string unpack = fmt::format(
-      "xz -dc '{}' > '{}' && cp '{}' '{}'", (data / "interior/apartment.obj.xz").string(),
-      (folder.path() / "apartment.obj").string(), (data / "interior/apartment.mtl").string(),
-      folder.path().string());
-  if (std::system(unpack.c_str()) != 0) return {};
-  Scene scene = import_scene(folder.path() / "apartment.obj").scene;
-  add_ceiling(scene);
-  return scene;
 }
 
 /// A ceiling panel in every room, two more in the living room; warm and cool by turns.
@@ -161,14 +147,14 @@ void relight_and_look(const fs::path& folder, const BakedScene& baked, Report& r
 
 int run(int argc, char** argv) {
   Report report("apartment", argc, argv);
-  const char* data = std::getenv("RELUMBRE_DATA");
-  const fs::path source = data == nullptr ? "" : data;
-  if (!fs::exists(source / "interior/apartment.obj.xz")) {
+  auto apartment = read_packed_scene("interior/apartment.obj", "interior/apartment.mtl");
+  if (!apartment) {
     report.note("skipped: no interior/apartment.obj.xz in RELUMBRE_DATA");
     return report.finish();
   }
+  Scene scene = std::move(*apartment);
+  add_ceiling(scene);
   const fs::path folder = fs::path(report.option("output", "./apartment.json")).parent_path();
-  const Scene scene = load_apartment(source);
   write_gltf(folder / "apartment.glb", scene);
   BakeConfig config;
   config.elements = std::stoul(report.option("elements", "200000"));

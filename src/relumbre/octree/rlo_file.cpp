@@ -141,17 +141,17 @@ Header header_of(const VoxelTree& tree, std::uint64_t voxels, double build_secon
 
 class RloReader {
  public:
-  explicit RloReader(const std::filesystem::path& file)
-      : name_(file.string()), mapped_(std::make_shared<MappedFile>(file)) {}
+  RloReader(std::span<const std::byte> bytes, const std::string& name)
+      : bytes_(bytes), name_(name) {}
 
-  RloFile read() {
+  RloFile read(std::shared_ptr<const void> owner) {
     read_header();
     VoxelTree::Parts parts{
         .cube = {{header_.corner[0], header_.corner[1], header_.corner[2]}, header_.edge},
         .depth = header_.depth,
         .separating = header_.separating == 6 ? Separating::k6 : Separating::k26};
     take_sections(parts);
-    parts.owner = mapped_;
+    parts.owner = std::move(owner);
     VoxelTree tree(std::move(parts));
     try {
       check_tree(tree);
@@ -166,19 +166,18 @@ class RloReader {
   [[noreturn]] void fail(const std::string& reason) const { throw FileError(name_, reason); }
 
   void read_header() {
-    const auto bytes = mapped_->bytes();
-    if (bytes.size() < sizeof(Header) ||
-        std::memcmp(bytes.data(), kMagic.data(), kMagic.size()) != 0)
+    if (bytes_.size() < sizeof(Header) ||
+        std::memcmp(bytes_.data(), kMagic.data(), kMagic.size()) != 0)
       fail("is not a Relumbre octree (.rlo)");
-    std::memcpy(&header_, bytes.data(), sizeof header_);
+    std::memcpy(&header_, bytes_.data(), sizeof header_);
     if (header_.byte_order != kByteOrder) fail("has another byte order than this machine");
     if (header_.version != kVersion)
       fail("has version " + std::to_string(header_.version) +
            " of the format; this program reads " + std::to_string(kVersion));
     if (header_.hash != header_.computed_hash()) fail("is damaged: the header's hash is wrong");
     check_header();
-    if (header_.file_bytes != bytes.size())
-      fail("is truncated or altered: it has " + std::to_string(bytes.size()) +
+    if (header_.file_bytes != bytes_.size())
+      fail("is truncated or altered: it has " + std::to_string(bytes_.size()) +
            " bytes instead of " + std::to_string(header_.file_bytes));
   }
 
@@ -196,12 +195,11 @@ class RloReader {
   template <class T>
   std::span<const T> section(Section which, std::uint64_t count) const {
     const SectionEntry& entry = header_.section[which];
-    const auto bytes = mapped_->bytes();
-    if (entry.offset % kAlignment != 0 || entry.offset > bytes.size() ||
-        entry.bytes > bytes.size() - entry.offset || entry.bytes % sizeof(T) != 0 ||
+    if (entry.offset % kAlignment != 0 || entry.offset > bytes_.size() ||
+        entry.bytes > bytes_.size() - entry.offset || entry.bytes % sizeof(T) != 0 ||
         entry.bytes / sizeof(T) != count)
       fail("is damaged: section " + std::to_string(which) + " is not where or what it should be");
-    const auto content = bytes.subspan(entry.offset, entry.bytes);
+    const auto content = bytes_.subspan(entry.offset, entry.bytes);
     if (hash_of(content) != entry.hash)
       fail("is damaged: the hash of section " + std::to_string(which) + " is wrong");
     return {reinterpret_cast<const T*>(content.data()), count};
@@ -211,7 +209,7 @@ class RloReader {
   [[nodiscard]] std::uint64_t count_nodes(unsigned end) const {
     std::uint64_t sum = 0;
     for (unsigned level = 0; level < end; ++level) {
-      if (header_.nodes[level] > mapped_->bytes().size()) fail("has more nodes than bytes");
+      if (header_.nodes[level] > bytes_.size()) fail("has more nodes than bytes");
       sum += header_.nodes[level];
     }
     return sum;
@@ -235,8 +233,8 @@ class RloReader {
     }
   }
 
+  std::span<const std::byte> bytes_;
   std::string name_;
-  std::shared_ptr<MappedFile> mapped_;
   Header header_;
 };
 
@@ -278,6 +276,15 @@ void RloWriter::finish(double build_seconds) {
   out.finish(header_of(tree, state_->voxels, build_seconds));
 }
 
-RloFile read_rlo(const std::filesystem::path& file) { return RloReader(file).read(); }
+RloFile read_rlo(const std::filesystem::path& file) {
+  auto mapped = std::make_shared<MappedFile>(file);
+  const auto bytes = mapped->bytes();
+  return view_rlo(bytes, std::move(mapped), file.string());
+}
+
+RloFile view_rlo(std::span<const std::byte> bytes, std::shared_ptr<const void> owner,
+                 const std::string& name) {
+  return RloReader(bytes, name).read(std::move(owner));
+}
 
 }  // namespace relumbre
