@@ -5,7 +5,7 @@
 ///   of           ... z2 y2 x2  z1 y1 x1  z0 y0 x0     bit 0 of an octant: upper half in x,
 ///                    octant    octant    octant       bit 1: in y, bit 2: in z
 ///
-/// Source: Morton 1966; the portable spreading of bits by Stocco and Schrack 1995.
+/// Source: Morton 1966.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@ inline constexpr int kMaxDepth = 20;
 
 /// A cell of a grid of 2^level cells per edge, counted from the minimum corner.
 struct Cell {
-  std::uint32_t x = 0, y = 0, z = 0;
+  std::uint32_t x, y, z;
   friend constexpr bool operator==(const Cell&, const Cell&) = default;
 };
 
