@@ -43,8 +43,13 @@ std::uint32_t sample_count(const Scene& scene, std::uint32_t triangle,
 
 Rgb mean_reflectance(const Scene& scene, const Tessellation& tessellation, const Facet& facet) {
   const Material& material = scene.material_of(facet.triangle);
-  if (material.texture == kNone || scene.texcoords.empty()) return material.reflectance;
+  const bool textured = material.texture != kNone && !scene.texcoords.empty();
+  if (!textured && scene.colors.empty()) return material.reflectance;
   const std::array<Vec2f, 3> corners = facet_barycentrics(scene.mesh, facet, tessellation);
+  if (!textured) {  // colours are linear over a facet: their mean is that of its centre
+    const Vec2f center = interpolate(corners, {1.0F / 3, 1.0F / 3});
+    return scene.reflectance(facet.triangle, center.x, center.y);
+  }
   const std::uint32_t samples = sample_count(scene, facet.triangle, corners);
   Vec3d sum;
   for (std::uint32_t s = 0; s < samples; ++s) {

@@ -100,6 +100,20 @@ TEST(ElementMaterials, TexturesAreAveragedOverEachElement) {
   }
 }
 
+TEST(ElementMaterials, VertexColoursAreAveragedWithAndWithoutTextures) {
+  for (const bool textured : {false, true}) {
+    Scene scene = textured_square(1, {"grey", 1, 1, {128, 128, 128}});
+    if (!textured) scene.materials[0].texture = kNone;
+    scene.colors = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 0}, Rgb(1), Rgb(0.5F), Rgb(0)};
+    const Tessellation tessellation = cut(scene, 5, 41);
+    const ElementMaterials materials = element_materials(scene, tessellation);
+    for (std::size_t i = 0; i < tessellation.elements(); ++i) {
+      const Rgb expected = brute_force(scene, tessellation, i);
+      EXPECT_LE(length(materials.reflectance[i] - expected), textured ? 0.02F : 1e-4F) << i;
+    }
+  }
+}
+
 TEST(ElementMaterials, MixedElementsAreWeighedByArea) {
   const Scene scene = textured_square(1, {"white", 1, 1, {255, 255, 255}});
   // One patch and one element hold the square's front, the back of its upper half, and the

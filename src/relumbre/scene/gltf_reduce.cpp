@@ -9,6 +9,7 @@
 
 #include "relumbre/base/error.h"
 #include "relumbre/scene/gltf_reduction.h"
+#include "relumbre/scene/scene.h"
 
 namespace relumbre {
 namespace fs = std::filesystem;
@@ -41,7 +42,7 @@ class Reducer {
     r_.out["asset"] = {{"version", "2.0"}};
     reduce_gltf_buffers(r_);
     reduce_gltf_materials(r_);
-    add_default_material();
+    add_default_materials();
     section("meshes", "mesh", &Reducer::mesh);
     section("nodes", "node", &Reducer::node);
     check_forest();
@@ -72,13 +73,18 @@ class Reducer {
     }
   }
 
-  void add_default_material() {
-    const float grey = default_reflectance_;
-    default_material_ = r_.count("materials");
+  /// For primitives without a material: grey, and white below vertex colours.
+  void add_default_materials() {
+    default_material_ = add_grey_material(default_reflectance_);
+    white_material_ = add_grey_material(kMaxReflectance);
+  }
+  std::size_t add_grey_material(float grey) {
+    const std::size_t index = r_.count("materials");
     r_.materials.push_back({"default", {}});
     r_.out["materials"].push_back(
-        {{"name", std::to_string(default_material_)},
+        {{"name", std::to_string(index)},
          {"pbrMetallicRoughness", {{"baseColorFactor", {grey, grey, grey, 1}}}}});
+    return index;
   }
 
   json mesh(const JsonFields& fields, std::size_t i) {
@@ -110,7 +116,9 @@ class Reducer {
     json out = {{"mode", mode}, {"attributes", {{"POSITION", positions}}}};
     copy_attributes(attributes, positions, out["attributes"]);
     if (fields.has("indices")) out["indices"] = index_accessor(fields);
-    out["material"] = fields.index("material", default_material_, default_material_);
+    const bool colored = out["attributes"].contains("COLOR_0");
+    out["material"] =
+        fields.index("material", default_material_, colored ? white_material_ : default_material_);
     if (fields.has("targets")) r_.warn("morph targets are left out");
     return out;
   }
@@ -129,7 +137,21 @@ class Reducer {
       if (!attributes.has(key)) break;
       copy(key, "VEC2");
     }
-    if (attributes.has("COLOR_0")) r_.warn("vertex colours are left out");
+    if (attributes.has("COLOR_0")) copy_colors(attributes, positions, out);
+  }
+
+  /// RGB or RGBA of float, or RGBA of normalised bytes or shorts.
+  void copy_colors(const JsonFields& attributes, std::size_t positions, json& out) {
+    const std::size_t index = attributes.index("COLOR_0", r_.count("accessors"));
+    const json& accessor = r_.out.at("accessors")[index];
+    const int component = accessor["componentType"].get<int>();
+    const bool is_float = component == 5126, is_unsigned = component == 5121 || component == 5123;
+    const bool has_alpha = accessor["type"] == "VEC4";
+    if (!(has_alpha && is_unsigned) && !(is_float && (has_alpha || accessor["type"] == "VEC3")))
+      return r_.warn("vertex colours that are neither float nor RGBA are left out");
+    if (vertices_of(index) != vertices_of(positions))
+      attributes.fail("COLOR_0", "has another count than POSITION");
+    out["COLOR_0"] = index;
   }
 
   [[nodiscard]] std::size_t vertices_of(std::size_t accessor) const {
@@ -229,7 +251,7 @@ class Reducer {
 
   GltfReduction r_;
   float default_reflectance_;
-  std::size_t default_material_ = 0;
+  std::size_t default_material_ = 0, white_material_ = 0;
   std::size_t points_and_lines_ = 0;
 };
 

@@ -32,8 +32,10 @@ void check_scene(const Scene& scene) {
   const TriangleMesh& mesh = scene.mesh;
   check_vertices(mesh.positions, "vertex");
   check_vertices(scene.shading_normals, "shading normal");
+  check_vertices(scene.colors, "vertex colour");
   const std::size_t vertices = mesh.positions.size();
   if ((!scene.texcoords.empty() && scene.texcoords.size() != vertices) ||
+      (!scene.colors.empty() && scene.colors.size() != vertices) ||
       (!scene.shading_normals.empty() && scene.shading_normals.size() != vertices) ||
       mesh.material.size() != mesh.triangles.size() || mesh.object.size() != mesh.triangles.size())
     throw ValueError("glTF: the scene's arrays disagree in length");
@@ -140,6 +142,7 @@ Json make_primitive(GltfOutput& out, const Scene& scene, const VertexSubset& sub
     attributes["NORMAL"] = out.add_vectors(subset.gather(scene.shading_normals));
   if (!scene.texcoords.empty())
     attributes["TEXCOORD_0"] = out.add_texcoords(subset.gather(scene.texcoords));
+  if (!scene.colors.empty()) attributes["COLOR_0"] = out.add_vectors(subset.gather(scene.colors));
   return {{"attributes", attributes},
           {"indices", out.add_indices(subset.indices())},
           {"material", material}};

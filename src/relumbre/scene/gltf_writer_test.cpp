@@ -129,6 +129,7 @@ Scene small_scene() {
   builder.quad({0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1});
   Scene scene = std::move(builder).finish();
   for (const Vec3f& p : scene.mesh.positions) scene.texcoords.push_back({p.x, 1 - p.y});
+  for (const Vec3f& p : scene.mesh.positions) scene.colors.push_back(p);
   scene.textures.push_back({"checks", 2, 2, {255, 0, 0, 0, 255, 0, 0, 0, 255, 10, 20, 30}});
   return scene;
 }

@@ -46,6 +46,9 @@ struct ImportResult {
 ///              colour), OBJ Kd and map_Kd (a Kd of zero beside a map counts as one), all as linear
 ///              values; textures are PNG or JPEG, embedded or below the scene's folder (a path that
 ///              leaves it is looked up beside the scene by file name)
+///   colours    of vertices multiply the reflectance: glTF's COLOR_0 (linear), OBJ's and PLY's
+///   (sRGB);
+///              where a surface with them has no material it is white
 ///   emission   glTF emissiveFactor · KHR_materials_emissive_strength and OBJ Ke are exitance in
 ///              W/m²; an emissive texture counts with its mean
 ///   lights     KHR_lights_punctual (numbers are W/sr and W/m²), then one kEmitter for every object

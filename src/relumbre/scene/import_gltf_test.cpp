@@ -62,6 +62,29 @@ void expect_near(const Vec3f& a, const Vec3f& b, float tolerance = 1e-6F) {
       << a.x << " " << a.y << " " << a.z << " for " << b.x << " " << b.y << " " << b.z;
 }
 
+TEST_F(ImportGltf, VertexColoursAreLinearFactorsOfTheBaseColour) {
+  json document = gltf::square();
+  document["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = 1;  // the positions, as colours
+  const auto [plain, report] = import(document);
+  EXPECT_THAT(report.warnings, IsEmpty());
+  ASSERT_EQ(plain.colors.size(), plain.mesh.positions.size());
+  for (std::size_t i = 0; i < plain.colors.size(); ++i)
+    EXPECT_EQ(plain.colors[i], plain.mesh.positions[i]);
+  EXPECT_EQ(plain.materials.at(0).reflectance, Rgb(kMaxReflectance));
+  json colored = with_material({{"pbrMetallicRoughness", {{"baseColorFactor", {0.5, 0.5, 0, 1}}}}});
+  colored["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = 1;
+  const Scene scene = import(colored).scene;
+  expect_near(scene.reflectance(0, 0.5F, 0.5F), Rgb(0.5F * 1, 0.5F * 0.5F, 0));
+}
+
+TEST_F(ImportGltf, VertexColoursOfOtherTypesAreLeftOutWithAWarning) {
+  json document = gltf::square();
+  document["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = 2;  // VEC2
+  const auto [scene, report] = import(document);
+  EXPECT_THAT(scene.colors, IsEmpty());
+  EXPECT_THAT(report.warnings, Contains(HasSubstr("vertex colours")));
+}
+
 TEST_F(ImportGltf, ReadsASquareWithItsWinding) {
   const auto [scene, report] = import(gltf::square());
   ASSERT_EQ(scene.mesh.triangles.size(), 2U);

@@ -84,11 +84,11 @@ MaterialImporter::MaterialImporter(const aiScene& source, SceneKind kind, fs::pa
       report_(report),
       used_(source.mNumMaterials, kNone) {}
 
-std::uint32_t MaterialImporter::use(unsigned source_index) {
+std::uint32_t MaterialImporter::use(unsigned source_index, bool has_vertex_colors) {
   if (source_index >= used_.size()) throw FileError(file_.string(), "has a mesh without material");
   std::uint32_t& index = used_[source_index];
   if (index == kNone) {
-    Material material = convert(*source_.mMaterials[source_index]);
+    Material material = convert(*source_.mMaterials[source_index], has_vertex_colors);
     index = static_cast<std::uint32_t>(scene_.materials.size());
     scene_.materials.push_back(std::move(material));
   }
@@ -122,12 +122,13 @@ bool MaterialImporter::has_own_colour(const aiMaterial& source) const {
   return kind_ == SceneKind::kGltf;
 }
 
-Material MaterialImporter::convert(const aiMaterial& source) {
+Material MaterialImporter::convert(const aiMaterial& source, bool has_vertex_colors) {
   Material material;
   set_sides(source, material);
   if (!has_own_colour(source)) {
     material.name = "default";
-    material.reflectance = clamped(Rgb(config_.default_reflectance), kMaxReflectance);
+    const float grey = has_vertex_colors ? kMaxReflectance : config_.default_reflectance;
+    material.reflectance = clamped(Rgb(grey), kMaxReflectance);
     return material;
   }
   material.name = name_of(source);

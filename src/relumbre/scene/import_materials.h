@@ -26,8 +26,9 @@ class MaterialImporter {
                    const ImportConfig& config, std::span<const GltfMaterial> gltf, Scene& scene,
                    ImportReport& report);
 
-  /// Index into scene.materials of the source's material.
-  std::uint32_t use(unsigned source_index);
+  /// Index into scene.materials of the source's material. Where the file gives it no colour, it is
+  /// white below vertex colours and config.default_reflectance without them.
+  std::uint32_t use(unsigned source_index, bool has_vertex_colors);
   /// Which set of texture coordinates the base colour texture of that material reads.
   [[nodiscard]] unsigned texcoord_set(unsigned source_index) const;
   /// What turns those coordinates (v downwards) into the texture's.
@@ -36,7 +37,7 @@ class MaterialImporter {
  private:
   [[nodiscard]] const GltfMaterial* notes_on(const aiMaterial& source) const;
   [[nodiscard]] std::string name_of(const aiMaterial& source) const;
-  Material convert(const aiMaterial& source);
+  Material convert(const aiMaterial& source, bool has_vertex_colors);
   [[nodiscard]] bool has_own_colour(const aiMaterial& source) const;
   void set_reflectance(const aiMaterial& source, Material& material);
   void set_emission(const aiMaterial& source, Material& material);

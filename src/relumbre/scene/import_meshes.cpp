@@ -1,5 +1,6 @@
 #include "relumbre/scene/import_meshes.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <span>
@@ -12,6 +13,7 @@
 
 #include "relumbre/base/error.h"
 #include "relumbre/base/parallel.h"
+#include "relumbre/image/srgb.h"
 #include "relumbre/scene/affine.h"
 #include "relumbre/scene/import_materials.h"
 #include "relumbre/scene/triangulate.h"
@@ -74,6 +76,7 @@ class MeshAppender {
         materials_(*source_, kind, file, config, gltf_materials, result.scene, result.report),
         // An STL's normals are its triangles' own, and often wrong.
         use_normals_(kind != SceneKind::kStl),
+        linear_colors_(kind == SceneKind::kGltf),
         scale_(static_cast<double>(config.scale)) {}
 
   void run() {
@@ -122,14 +125,11 @@ class MeshAppender {
       triangles += corners < 3 ? 0 : corners - 2;
     }
     if (triangles == 0) return 0;
-    const std::uint32_t material = materials_.use(mesh.mMaterialIndex);
+    const std::uint32_t material = materials_.use(mesh.mMaterialIndex, mesh.HasVertexColors(0));
     const bool textured = scene_.materials[material].texture != kNone;
     any_texcoords_ = any_texcoords_ || (textured && texcoords_of(mesh) != nullptr);
     any_normals_ = any_normals_ || has_normals(mesh);
-    if (mesh.HasVertexColors(0) && !warned_of_colours_) {
-      report_.warnings.emplace_back("vertex colours are left out");
-      warned_of_colours_ = true;
-    }
+    any_colors_ = any_colors_ || mesh.HasVertexColors(0);
     return triangles;
   }
 
@@ -138,6 +138,7 @@ class MeshAppender {
     mesh.positions.reserve(vertices);
     if (any_normals_) scene_.shading_normals.reserve(vertices);
     if (any_texcoords_) scene_.texcoords.reserve(vertices);
+    if (any_colors_) scene_.colors.reserve(vertices);
     mesh.triangles.reserve(triangles);
     mesh.material.reserve(triangles);
     mesh.object.reserve(triangles);
@@ -203,7 +204,7 @@ class MeshAppender {
     }
     const std::size_t count = mesh.triangles.size();
     if (count == mesh.material.size()) return;
-    const std::uint32_t material = materials_.use(source.mMaterialIndex);
+    const std::uint32_t material = materials_.use(source.mMaterialIndex, source.HasVertexColors(0));
     mesh.material.resize(count, material);
     mesh.object.resize(count, static_cast<std::uint32_t>(scene_.objects.size()));
     mesh.two_sided.resize(count, scene_.materials[material].two_sided ? 1 : 0);
@@ -227,6 +228,7 @@ class MeshAppender {
     scene_.mesh.positions.resize(first + count);
     if (any_normals_) scene_.shading_normals.resize(first + count);
     if (any_texcoords_) scene_.texcoords.resize(first + count);
+    if (any_colors_) scene_.colors.resize(first + count, Rgb(1));
     const aiVector3D* const uv = any_texcoords_ ? texcoords_of(source) : nullptr;
     const TexcoordMap map = materials_.texcoord_map(source.mMaterialIndex);
     parallel_for(0, count, kGrain, [&](std::size_t i) {
@@ -236,6 +238,7 @@ class MeshAppender {
         scene_.shading_normals[first + i] = Vec3f(normalized(n));
       }
       if (uv != nullptr) scene_.texcoords[first + i] = to_texcoord(uv[i], map);
+      if (any_colors_) scene_.colors[first + i] = color_of(source, i);
     });
   }
 
@@ -243,6 +246,17 @@ class MeshAppender {
   static Vec2f to_texcoord(const aiVector3D& uv, const TexcoordMap& map) {
     const Vec2f at = map({uv.x, 1 - uv.y});
     return std::isfinite(at.x) && std::isfinite(at.y) ? at : Vec2f{};
+  }
+
+  /// glTF's are linear, the others' 8-bit sRGB. White for meshes without.
+  [[nodiscard]] Rgb color_of(const aiMesh& mesh, std::size_t vertex) const {
+    if (!mesh.HasVertexColors(0)) return Rgb(1);
+    const aiColor4D& c = mesh.mColors[0][vertex];
+    const auto factor = [this](float v) {
+      const float in_range = v > 0 ? std::min(v, 1.0F) : 0.0F;
+      return linear_colors_ ? in_range : srgb_decode(in_range);
+    };
+    return {factor(c.r), factor(c.g), factor(c.b)};
   }
 
   void append_flat_vertices(const aiMesh& source, const Affine& world, std::size_t first_vertex,
@@ -260,6 +274,7 @@ class MeshAppender {
         if (any_texcoords_) {
           scene_.texcoords.push_back(uv != nullptr ? to_texcoord(uv[vertex], map) : Vec2f{});
         }
+        if (any_colors_) scene_.colors.push_back(color_of(source, vertex));
       }
     }
   }
@@ -287,10 +302,10 @@ class MeshAppender {
   Scene& scene_;
   ImportReport& report_;
   MaterialImporter materials_;
-  bool use_normals_;
+  bool use_normals_, linear_colors_;
   double scale_;
   std::vector<std::uint64_t> uses_;  ///< by source mesh: nodes that still need it
-  bool any_normals_ = false, any_texcoords_ = false, warned_of_colours_ = false;
+  bool any_normals_ = false, any_texcoords_ = false, any_colors_ = false;
 };
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "relumbre/base/error.h"
 #include "relumbre/base/temporary_folder.h"
 #include "relumbre/image/png.h"
+#include "relumbre/image/srgb.h"
 #include "relumbre/scene/test_gltf.h"
 
 namespace relumbre {
@@ -92,6 +93,25 @@ TEST_F(Import, MissingMaterialFileIsAWarningThatNamesIt) {
   const auto [scene, report] = import("scene.obj", kTwoObjects);
   EXPECT_EQ(scene.objects.size(), 2U);
   EXPECT_THAT(report.warnings, Contains(HasSubstr("scene.mtl")));
+}
+
+TEST_F(Import, VertexColoursMultiplyWhiteWhereThereIsNoMaterial) {
+  const Scene ply = import("c.ply",
+                           "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
+                           "property float y\nproperty float z\nproperty uchar red\n"
+                           "property uchar green\nproperty uchar blue\nelement face 1\n"
+                           "property list uchar int vertex_indices\nend_header\n"
+                           "0 0 0 255 0 0\n1 0 0 0 255 0\n0 1 0 128 128 128\n3 0 1 2\n")
+                        .scene;
+  ASSERT_EQ(ply.colors.size(), 3U);
+  const float grey = srgb_decode(128.0F / 255);
+  EXPECT_NEAR(ply.reflectance(0, 0, 0).x, kMaxReflectance, 1e-5F);
+  EXPECT_NEAR(ply.reflectance(0, 0, 0).y, 0, 1e-5F);
+  EXPECT_NEAR(ply.reflectance(0, 1, 0).y, kMaxReflectance, 1e-5F);
+  EXPECT_NEAR(ply.reflectance(0, 0, 1).z, kMaxReflectance * grey, 1e-4F);
+  const Scene obj = import("c.obj", "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\nf 1 2 3\n").scene;
+  EXPECT_NEAR(obj.reflectance(0, 0, 1).z, kMaxReflectance, 1e-5F);
+  EXPECT_NEAR(obj.reflectance(0, 0, 1).x, 0, 1e-5F);
 }
 
 TEST_F(Import, PlyTextAndBinaryAgree) {

@@ -78,11 +78,15 @@ Rgb Texture::sample(Vec2f uv) const {
 
 Rgb Scene::reflectance(std::uint32_t triangle, float u, float v) const {
   const Material& material = material_of(triangle);
-  if (material.texture == kNone || texcoords.empty()) return material.reflectance;
   const Index3& corners = mesh.triangles[triangle];
-  const Vec2f uv =
-      texcoords[corners[0]] * (1 - u - v) + texcoords[corners[1]] * u + texcoords[corners[2]] * v;
-  return material.reflectance * textures[material.texture].sample(uv);
+  const auto interpolated = [&](const auto& values) {
+    return values[corners[0]] * (1 - u - v) + values[corners[1]] * u + values[corners[2]] * v;
+  };
+  Rgb result = material.reflectance;
+  if (!colors.empty()) result *= interpolated(colors);
+  if (material.texture != kNone && !texcoords.empty())
+    result *= textures[material.texture].sample(interpolated(texcoords));
+  return result;
 }
 
 std::uint64_t Scene::geometry_hash() const {

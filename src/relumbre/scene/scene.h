@@ -42,13 +42,14 @@ struct Scene {
   TriangleMesh mesh;
   std::vector<Vec2f> texcoords;        ///< empty, or one a vertex of the mesh
   std::vector<Vec3f> shading_normals;  ///< empty, or one a vertex of the mesh, unit
+  std::vector<Rgb> colors;  ///< empty, or one a vertex: factors of the reflectance, in [0, 1]
   std::vector<Material> materials;
   std::vector<Texture> textures;
   std::vector<Object> objects;
   std::vector<Light> lights;  ///< glTF punctual lights and one kEmitter per emissive object
   std::vector<Camera> cameras;
 
-  /// Diffuse reflectance at barycentrics (u, v) of a triangle, texture applied.
+  /// Diffuse reflectance at barycentrics (u, v) of a triangle, texture and vertex colours applied.
   [[nodiscard]] Rgb reflectance(std::uint32_t triangle, float u, float v) const;
   [[nodiscard]] const Material& material_of(std::uint32_t triangle) const {
     return materials[mesh.material[triangle]];

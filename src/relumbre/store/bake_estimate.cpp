@@ -28,7 +28,8 @@ std::uint64_t scene_bytes(const Scene& scene) {
   const TriangleMesh& mesh = scene.mesh;
   std::uint64_t bytes = bytes_of(mesh.positions) + bytes_of(mesh.triangles) +
                         bytes_of(mesh.material) + bytes_of(mesh.object) + bytes_of(mesh.two_sided) +
-                        bytes_of(scene.texcoords) + bytes_of(scene.shading_normals);
+                        bytes_of(scene.texcoords) + bytes_of(scene.shading_normals) +
+                        bytes_of(scene.colors);
   for (const Texture& texture : scene.textures) bytes += bytes_of(texture.rgb);
   return bytes;
 }

@@ -71,6 +71,7 @@ Scene read_scene(const Hdf5Reader& in, const fs::path& file) {
   scene.mesh.two_sided = in.read<std::uint8_t>("scene/two_sided", triangles);
   scene.texcoords = read_all<Vec2f>(in, "scene/texcoords");
   scene.shading_normals = read_all<Vec3f>(in, "scene/shading_normals");
+  if (in.has("scene/colors")) scene.colors = read_all<Rgb>(in, "scene/colors");
   for (std::size_t i = 0; i < scene.textures.size(); ++i) read_texture(in, i, scene.textures[i]);
   return scene;
 }

@@ -14,6 +14,7 @@
 ///     two_sided           u8 (t)
 ///     texcoords           f32 (v, 2)     or (0, 2)
 ///     shading_normals     f32 (v, 3)     or (0, 3)
+///     colors              f32 (v, 3)     or (0, 3), or missing: factors of the reflectance
 ///     description         text           materials, objects, textures, lights, cameras as JSON
 ///                                        (scene_json.h)
 ///   /textures

@@ -71,6 +71,11 @@ void check_mesh(const Scene& scene) {
     require_all("scene/texcoords", scene.texcoords, "is not finite",
                 [](Vec2f uv) { return std::isfinite(uv.x) && std::isfinite(uv.y); });
   }
+  if (!scene.colors.empty()) {
+    require_length("scene/colors", scene.colors.size(), vertices);
+    require_all("scene/colors", scene.colors, "is not in [0, 1]",
+                [](const Rgb& c) { return min(max(c, Rgb(0)), Rgb(1)) == c; });
+  }
   if (!scene.shading_normals.empty()) {
     require_length("scene/shading_normals", scene.shading_normals.size(), vertices);
     require_finite("scene/shading_normals", scene.shading_normals);

@@ -29,6 +29,7 @@ void expect_equal(const Scene& a, const Scene& b) {
   EXPECT_EQ(a.mesh.object, b.mesh.object);
   EXPECT_EQ(a.mesh.two_sided, b.mesh.two_sided);
   EXPECT_EQ(a.texcoords, b.texcoords);
+  EXPECT_EQ(a.colors, b.colors);
   EXPECT_EQ(a.shading_normals, b.shading_normals);
   ASSERT_EQ(a.materials.size(), b.materials.size());
   for (std::size_t i = 0; i < a.materials.size(); ++i) {
@@ -162,6 +163,7 @@ TEST_F(Store, GivesBackWhatWasWritten) {
 TEST_F(Store, KeepsBareScenes) {
   BakedScene baked = hand_made_scene();
   baked.scene.texcoords.clear();
+  baked.scene.colors.clear();
   baked.scene.shading_normals.clear();
   baked.scene.textures.clear();
   baked.scene.materials[0].texture = kNone;
@@ -349,6 +351,8 @@ const Fault kFaults[] = {
     {"object index", [](BakedScene& b) { b.scene.mesh.object[0] = 2; }},
     {"two_sided", [](BakedScene& b) { b.scene.mesh.two_sided[0] = 2; }},
     {"texcoords", [](BakedScene& b) { b.scene.texcoords.pop_back(); }},
+    {"colors", [](BakedScene& b) { b.scene.colors.pop_back(); }},
+    {"colors", [](BakedScene& b) { b.scene.colors[2].y = 1.5F; }},
     {"normals", [](BakedScene& b) { b.scene.shading_normals[3].x = kNan; }},
     {"albedo", [](BakedScene& b) { b.scene.materials[0].reflectance.x = 1; }},
     {"texture index", [](BakedScene& b) { b.scene.materials[0].texture = 2; }},

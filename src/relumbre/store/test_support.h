@@ -28,6 +28,7 @@ inline BakedScene hand_made_scene() {
   scene.mesh.two_sided = {0, 0};
   scene.texcoords = {{0, 0}, {1, 0}, {0, 1}, {0, 0}, {0.3F, 0}, {0, 1}};
   scene.shading_normals.assign(6, Vec3f(0, 0, 1));
+  scene.colors = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.5F, 0.25F, 1}, {1, 1, 1}, {0, 0, 0}};
   scene.materials = {{"wall \"white\"", Rgb(0.7F, 0.1F, 0.99F), Rgb(), 1, false},
                      {"lámpara", Rgb(0.2F), Rgb(10, 9, 8), kNone, true}};
   scene.textures = {{"plain", 1, 1, {1, 2, 3}}, {"stripes", 2, 1, {255, 0, 7, 9, 128, 64}}};

@@ -52,6 +52,7 @@ void write_scene(Hdf5Writer& out, const Scene& scene) {
   write(out, "scene/object", scene.mesh.object);
   write(out, "scene/two_sided", scene.mesh.two_sided);
   write(out, "scene/texcoords", scene.texcoords);
+  write(out, "scene/colors", scene.colors);
   write(out, "scene/shading_normals", scene.shading_normals);
   out.write_text("scene/description", scene_to_json(scene));
   out.attribute("scene", "geometry_hash", scene.geometry_hash());
