@@ -58,6 +58,14 @@ class GridRay {
     return {std::max(0.0, max_component(near)), std::min(far.x, std::min(far.y, far.z))};
   }
 
+  /// The same exit as interval()'s.
+  [[nodiscard]] double exit(const Cell& lower, std::uint32_t size) const {
+    const Vec3d far =
+        t(at({lower.x + (sign_mask_ & 1U ? 0 : size), lower.y + (sign_mask_ & 2U ? 0 : size),
+              lower.z + (sign_mask_ & 4U ? 0 : size)}));
+    return std::min(far.x, std::min(far.y, far.z));
+  }
+
   /// The octant, around a centre, that the ray is in at `now`: the one with enter <= now < exit,
   /// given that this holds for their parent.
   [[nodiscard]] unsigned octant_at(const Cell& center, double now) const {
@@ -75,6 +83,10 @@ class GridRay {
     const Vec3d near = min(a, b);
     return near.x == enter ? 0 : near.y == enter ? 1 : near.z == enter ? 2 : -1;
   }
+
+  /// What t() is computed from: beside a parallel axis, a point in the same cells.
+  [[nodiscard]] const Vec3d& origin() const { return origin_; }
+  [[nodiscard]] const Vec3d& inverse() const { return inverse_; }
 
   /// Bit a is set if the ray goes down along axis a. Octants are passed in order of
   /// octant XOR sign mask.

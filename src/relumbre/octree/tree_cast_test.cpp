@@ -1,0 +1,219 @@
+#include "relumbre/octree/tree_cast.h"
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "relumbre/base/error.h"
+#include "relumbre/octree/octree_testing.h"
+#include "relumbre/octree/test_voxels.h"
+#include "relumbre/octree/traversal_testing.h"
+#include "relumbre/octree/voxel_tree_builder.h"
+
+namespace relumbre {
+namespace {
+
+using octree_testing::all_voxels, octree_testing::random_voxels, octree_testing::shell;
+using octree_testing::test_rays, octree_testing::TestRay, octree_testing::VoxelSet;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+VoxelTree tree_of(const VoxelSet& voxels, int depth) {
+  return build_tree({}, static_cast<unsigned>(depth), Separating::k26,
+                    test::blocks_of(voxels, true));
+}
+
+std::vector<CastRay> cast_rays(const std::vector<TestRay>& rays) {
+  std::vector<CastRay> result;
+  for (const TestRay& ray : rays) result.push_back({ray.origin, ray.direction, kInfinity});
+  return result;
+}
+
+std::vector<TreeHit> cast_all(const VoxelTree& tree, const std::vector<CastRay>& rays) {
+  std::vector<TreeHit> hits(rays.size());
+  cast(tree, rays, hits);
+  return hits;
+}
+
+std::vector<TreeHit> cast_one_by_one(const VoxelTree& tree, const std::vector<CastRay>& rays) {
+  std::vector<TreeHit> hits;
+  for (const CastRay& ray : rays)
+    hits.push_back(cast(tree, GridRay(ray.origin, ray.direction), ray.t_max));
+  return hits;
+}
+
+/// A walk of all voxels, by the definition of a hit alone.
+TreeHit slow_cast(const VoxelSet& voxels, const CastRay& ray) {
+  const GridRay grid_ray(ray.origin, ray.direction);
+  TreeHit nearest;
+  for (const std::uint64_t code : voxels) {
+    const auto hit = intersect_voxel(grid_ray, morton_decode(code));
+    if (hit && hit->t < ray.t_max && (!nearest || hit->t < nearest.voxel.t)) nearest = {*hit, 0, 0};
+  }
+  if (!nearest) return nearest;
+  // The leaves are in the order of their codes.
+  const std::uint64_t code = morton_encode(nearest.voxel.cell);
+  std::uint64_t leaf = 0, last = voxels[0] >> 6;
+  for (const std::uint64_t c : voxels) {
+    if (c > code) break;
+    leaf += (c >> 6) != last;
+    last = c >> 6;
+  }
+  nearest.leaf = leaf, nearest.bit = static_cast<unsigned>(code & 63);
+  return nearest;
+}
+
+void expect_equal(const std::vector<TreeHit>& hits, const std::vector<TreeHit>& expected,
+                  const std::vector<CastRay>& rays, const char* what) {
+  std::size_t wrong = 0;
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    if (hits[i] == expected[i] || wrong++ > 0) continue;
+    const Vec3d o = rays[i].origin, d = rays[i].direction;
+    ADD_FAILURE() << what << ": ray " << i << " from " << o.x << " " << o.y << " " << o.z
+                  << " towards " << d.x << " " << d.y << " " << d.z;
+  }
+  EXPECT_EQ(wrong, 0U) << what;
+}
+
+/// One by one and in a batch, against the walk of all voxels. Returns the number of hits.
+std::size_t expect_exact(const VoxelSet& voxels, int depth, const std::vector<CastRay>& rays) {
+  SCOPED_TRACE(testing::Message() << voxels.size() << " voxels, depth " << depth);
+  const VoxelTree tree = tree_of(voxels, depth);
+  std::vector<TreeHit> expected;
+  for (const CastRay& ray : rays) expected.push_back(slow_cast(voxels, ray));
+  expect_equal(cast_one_by_one(tree, rays), expected, rays, "one by one");
+  expect_equal(cast_all(tree, rays), expected, rays, "batch");
+  return static_cast<std::size_t>(
+      std::ranges::count_if(expected, [](const TreeHit& hit) { return bool{hit}; }));
+}
+
+TEST(TreeCast, FindsTheVoxelThatAWalkOfAllVoxelsFinds) {
+  for (int depth = 1; depth <= 9; ++depth)
+    for (const std::size_t count : {3U, 40U, 300U})
+      expect_exact(random_voxels(depth, count, static_cast<std::uint64_t>(depth)), depth,
+                   cast_rays(test_rays(depth, 5'000)));
+}
+
+TEST(TreeCast, FindsTheShell) {
+  for (int depth = 2; depth <= 5; ++depth) {
+    const std::size_t rays = 60'000U >> (2 * depth - 2);
+    EXPECT_GE(expect_exact(shell(depth), depth, cast_rays(test_rays(depth, rays))), rays / 5);
+  }
+}
+
+TEST(TreeCast, FindsTheFirstCellOfAFullGrid) {
+  for (int depth = 1; depth <= 4; ++depth)
+    EXPECT_GE(expect_exact(all_voxels(depth), depth, cast_rays(test_rays(depth, 4000))), 1000U);
+}
+
+TEST(TreeCast, FindsASingleVoxelAnywhere) {
+  expect_exact({0}, 0, cast_rays(test_rays(1, 3000)));
+  for (int depth = 1; depth <= 12; ++depth) {
+    const std::uint64_t last = (std::uint64_t{1} << 3 * depth) - 1;
+    for (const std::uint64_t voxel : {std::uint64_t{0}, last, last / 2, last / 7 * 3})
+      expect_exact({voxel}, depth, cast_rays(test_rays(depth, 3000)));
+  }
+}
+
+/// The rays of a family that starts at lattice points around and in the cube.
+std::vector<CastRay> lattice_rays(double edge, const std::vector<Vec3d>& directions) {
+  std::vector<CastRay> rays;
+  for (double z = -1; z <= edge + 1; z += 0.5)
+    for (double y = -1; y <= edge + 1; y += 0.5)
+      for (const double x : {-2.0, 0.0, edge / 2 - 0.5, edge / 2, edge, edge + 1})
+        for (const Vec3d& d : directions) {
+          rays.push_back({{x, y, z}, d, kInfinity});
+          rays.push_back({{y, z, x}, {d.y, d.z, d.x}, kInfinity});
+          rays.push_back({{z, x, y}, {d.z, d.x, d.y}, kInfinity});
+        }
+  return rays;
+}
+
+TEST(TreeCast, AlongAxesInFacesAndThroughCellsIsExact) {
+  std::vector<Vec3d> directions;
+  for (const double x : {1.0, -1.0})
+    for (const double zero : {0.0, -0.0, 5e-324, -5e-324}) directions.push_back({x, zero, zero});
+  const std::vector<CastRay> rays = lattice_rays(8, directions);
+  for (const VoxelSet& voxels : {shell(3), random_voxels(3, 60, 1), all_voxels(3)})
+    EXPECT_GE(expect_exact(voxels, 3, rays), rays.size() / 20);
+}
+
+TEST(TreeCast, AlongDiagonalsThroughEdgesAndCornersIsExact) {
+  std::vector<Vec3d> directions;
+  for (const double x : {1.0, -1.0})
+    for (const double y : {1.0, -1.0})
+      for (const double z : {1.0, 0.0, -1.0, 2.0}) directions.push_back({x, y, z});
+  const std::vector<CastRay> rays = lattice_rays(8, directions);
+  for (const VoxelSet& voxels : {shell(3), random_voxels(3, 60, 2), all_voxels(3)})
+    EXPECT_GE(expect_exact(voxels, 3, rays), rays.size() / 20);
+}
+
+TEST(TreeCast, AgreesWithTheTraversalsOfTheWords) {
+  for (int depth = 5; depth <= 10; ++depth) {
+    const VoxelSet voxels = depth < 8 ? shell(depth) : random_voxels(depth, 400'000, 5);
+    const Octree octree(voxels, depth);
+    const VoxelTree tree = tree_of(voxels, depth);
+    const std::vector<CastRay> rays = cast_rays(test_rays(depth, 30'000));
+    const std::vector<TreeHit> hits = cast_all(tree, rays);
+    expect_equal(hits, cast_one_by_one(tree, rays), rays, "batch");
+    std::size_t wrong = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      const auto expected = trace(octree, GridRay(rays[i].origin, rays[i].direction), {});
+      wrong += (expected ? TreeHit{*expected, hits[i].leaf, hits[i].bit} : TreeHit{}) != hits[i];
+    }
+    EXPECT_EQ(wrong, 0U) << depth;
+  }
+}
+
+TEST(TreeCast, VoxelsFromTMaxOnAreNotHit) {
+  std::vector<CastRay> rays = cast_rays(test_rays(4, 4000));
+  for (std::size_t i = 0; i < rays.size(); ++i) rays[i].t_max = static_cast<double>(i % 40) * 0.5;
+  rays[1].t_max = NAN, rays[2].t_max = -1;
+  EXPECT_GE(expect_exact(shell(4), 4, rays), 200U);
+  const VoxelTree tree = tree_of({0}, 0);
+  EXPECT_TRUE(cast(tree, GridRay({-3, 0.5, 0.5}, {1, 0, 0}), std::nextafter(3.0, 4)));
+  EXPECT_FALSE(cast(tree, GridRay({-3, 0.5, 0.5}, {1, 0, 0}), 3));
+}
+
+TEST(TreeCast, TellsWhereTheTreeHasTheVoxel) {
+  const VoxelSet voxels = random_voxels(6, 3000, 4);
+  const VoxelTree tree = tree_of(voxels, 6);
+  std::size_t hits = 0;
+  for (const TreeHit& hit : cast_all(tree, cast_rays(test_rays(6, 2000)))) {
+    if (!hit) continue;
+    const VoxelValue& value = tree.values()[tree.voxel_index(hit.leaf, hit.bit)];
+    EXPECT_EQ(value, test::value_of(morton_encode(hit.voxel.cell)));
+    ++hits;
+  }
+  EXPECT_GE(hits, 100U);
+}
+
+TEST(TreeCast, BatchesOfAnySizeAreTheSame) {
+  const VoxelTree tree = tree_of(shell(6), 6);
+  const std::vector<CastRay> rays = cast_rays(test_rays(6, 9001));
+  const std::vector<TreeHit> expected = cast_one_by_one(tree, rays);
+  for (const std::size_t count : {0U, 1U, 2U, 7U, 8U, 9U, 63U, 64U, 65U, 1023U, 4097U, 9001U}) {
+    std::vector<TreeHit> hits(count);
+    cast(tree, std::span(rays).first(count), hits);
+    EXPECT_EQ(hits, std::vector<TreeHit>(expected.begin(),
+                                         expected.begin() + static_cast<std::ptrdiff_t>(count)));
+  }
+  std::vector<TreeHit> short_of_one(rays.size() - 1);
+  EXPECT_THROW(cast(tree, rays, short_of_one), ShapeError);
+}
+
+TEST(TreeCast, OfNoTreeOrOfARayThatIsNotFiniteFindsNothing) {
+  const VoxelTree full = tree_of(all_voxels(2), 2);
+  const std::vector<CastRay> rays = {{{1, NAN, 3}, {1, 1, 1}, kInfinity},
+                                     {{1, 1, 1}, {1, INFINITY, 1}, kInfinity},
+                                     {{1e300, 1, 1}, {-1, 0, 0}, kInfinity}};
+  for (const TreeHit& hit : cast_all(full, rays)) EXPECT_FALSE(hit);
+  for (const TreeHit& hit : cast_one_by_one(full, rays)) EXPECT_FALSE(hit);
+  EXPECT_FALSE(cast(VoxelTree(), GridRay({0.5, 0.5, 0.5}, {1, 1, 1})));
+  EXPECT_FALSE(cast_all(VoxelTree(), {{{0.5, 0.5, 0.5}, {1, 1, 1}, kInfinity}})[0]);
+}
+
+}  // namespace
+}  // namespace relumbre
