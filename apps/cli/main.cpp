@@ -22,6 +22,7 @@ void add_commands(CLI::App& app) {
   cli::add_dof_command(app);
   cli::add_compare_command(app);
   cli::add_voxelize_command(app);
+  cli::add_raycast_command(app);
 }
 
 int fail(int status, std::string_view message) {

@@ -26,8 +26,9 @@ void report_octree(const RloFile& file, Session& session) {
   report.figure("nodes", "nodes of 4 x 4 x 4, a level", nodes, text);
   const double bytes = static_cast<double>(tree.geometry_bytes()) / static_cast<double>(voxels);
   report.figure("bytes_per_voxel", "geometry", bytes, fmt::format("{:.3f} bytes a voxel", bytes));
-  report.figure("has_values", "colours and normals", tree.has_values(),
-                tree.has_values() ? "yes" : "no");
+  const bool is_lit = tree.content() == VoxelTree::Content::kRadiosity;
+  const std::string colors = !tree.has_values() ? "none" : is_lit ? "radiosity" : "reflectance";
+  report.figure("colors", "colours", colors);
   report.figure("build_s", "built in", file.build_seconds, seconds_text(file.build_seconds));
 }
 

@@ -1,10 +1,7 @@
-#include <cmath>
-
-#include "cli/exposure.h"
 #include "cli/lens_options.h"
 #include "cli/opened_store.h"
+#include "cli/view_options.h"
 #include "relumbre/base/error.h"
-#include "relumbre/image/image_io.h"
 #include "relumbre/render/lens_view.h"
 
 namespace relumbre::cli {
@@ -13,9 +10,8 @@ namespace {
 
 struct Options {
   StoreOptions store;
-  std::vector<std::string> outputs;
-  std::string camera = "auto", size = "1280x720", mode = "per-pixel", exposure = "auto",
-              curve = "filmic";
+  ViewOptions picture;
+  std::string mode = "per-pixel";
   std::string radiosity;
   float crease_deg = 30;
   ViewConfig view;
@@ -23,21 +19,6 @@ struct Options {
   std::uint32_t lens_samples = 256;
   LensOptions lens;
 };
-
-void parse_size(const std::string& text, ViewConfig& view) {
-  int read = 0;
-  if (std::sscanf(text.c_str(), "%zux%zu%n", &view.width, &view.height, &read) != 2 ||
-      static_cast<std::size_t>(read) != text.size()) {
-    throw CLI::ValidationError("--size",
-                               "must read WIDTHxHEIGHT, for example 1280x720, not " + text);
-  }
-}
-
-ToneConfig parse_tone(const Options& options) {
-  ToneConfig tone = parse_exposure(options.exposure);
-  tone.curve = options.curve == "filmic" ? ToneCurve::kFilmic : ToneCurve::kSrgb;
-  return tone;
-}
 
 /// "auto", the name of one of the scene's cameras, or a cam.json.
 Camera choose_camera(const std::string& choice, const Scene& scene) {
@@ -86,10 +67,7 @@ RelitResult light_up(const Options& options, const OpenedStore& store, Session& 
 
 /// Bad combinations are found before long work.
 void check(const Options& options) {
-  for (const std::string& output : options.outputs) {
-    if (!can_save_image(output))
-      throw FileError(output, "cannot be written: render writes .exr and .png");
-  }
+  check_pictures(options.picture, "render");
   if (!options.through_lens) return;
   if (options.view.layers > 1) {
     throw CLI::ValidationError("--layers", "a second layer is of the view without --lens");
@@ -117,11 +95,11 @@ Image render_through_lens(const Options& options, const LitScene& lit_scene, con
 }
 
 void run(Options options, Session& session) {
-  parse_size(options.size, options.view);
-  const ToneConfig tone = parse_tone(options);
+  parse_size(options.picture.size, options.view.width, options.view.height);
+  const ToneConfig tone = parse_tone(options.picture);
   check(options);
   const OpenedStore store(options.store, session);
-  const Camera camera = choose_camera(options.camera, store.baked.scene);
+  const Camera camera = choose_camera(options.picture.camera, store.baked.scene);
   const RelitResult lit = light_up(options, store, session);
   const bool own_light = store.has_emission() || !options.radiosity.empty();
   options.view.mode =
@@ -141,22 +119,12 @@ void run(Options options, Session& session) {
                           : render_view(lit_scene, camera, options.view, session.progress);
   session.progress.clear();
   session.report.figure("render_s", "rendered in", watch.seconds(), seconds_text(watch.seconds()));
-  session.report.figure("exposure_scale", "exposure", exposure_scale(image, tone),
-                        fmt::format("{:.2f} stops", std::log2(exposure_scale(image, tone))));
-  for (const std::string& output : options.outputs) {
-    save_image(output, image, tone);
-    session.report.figure("output", "wrote", output);
-  }
+  save_pictures(options.picture, image, tone, session);
 }
 
 void define(CLI::App& command, Options& o) {
   add_store_options(command, o.store);
-  command.add_option("-o,--output", o.outputs, "Picture to write: .png or .exr (repeatable)")
-      ->allow_extra_args(false)
-      ->required();
-  command.add_option("--camera", o.camera, "auto, a camera of the scene by name, or cam.json")
-      ->capture_default_str();
-  command.add_option("--size", o.size, "WIDTHxHEIGHT in pixels")->capture_default_str();
+  add_view_options(command, o.picture, "auto, a camera of the scene by name, or cam.json");
   command
       .add_option("--mode", o.mode,
                   "per-pixel: direct light by shadow rays at each pixel; gouraud: interpolated")
@@ -172,10 +140,6 @@ void define(CLI::App& command, Options& o) {
                   "Passes over coplanar elements against noise")
       ->capture_default_str();
   command.add_option("--crease", o.crease_deg, "Edges sharper than this stay sharp, degrees")
-      ->capture_default_str();
-  command.add_option("--exposure", o.exposure, "Of .png: auto, or stops")->capture_default_str();
-  command.add_option("--curve", o.curve, "Of .png: filmic or srgb")
-      ->check(CLI::IsMember({"filmic", "srgb"}))
       ->capture_default_str();
   command.add_option("--radiosity", o.radiosity,
                      "Show this B.npy, for example of `relumbre solve`");

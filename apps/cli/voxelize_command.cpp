@@ -96,7 +96,9 @@ void plan_memory(const Options& options, const Subject& subject, const Cube& cub
 std::uint64_t build(const Options& options, const Subject& subject, const Cube& cube,
                     const VoxelizeConfig& config, Session& session) {
   const Stopwatch watch;
-  RloWriter writer(options.output, cube, config.depth, config.separating);
+  const auto content = options.store.store.empty() ? VoxelTree::Content::kReflectance
+                                                   : VoxelTree::Content::kRadiosity;
+  RloWriter writer(options.output, cube, config.depth, config.separating, content);
   const VoxelizeReport report = voxelize(
       subject.mesh, cube, config, [&](VoxelBlocks&& blocks) { writer.add(blocks); },
       session.progress);

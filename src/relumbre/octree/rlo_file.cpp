@@ -43,7 +43,7 @@ struct Header {
   double build_seconds = 0;
   std::array<std::uint64_t, VoxelTree::kMaxLevels> nodes{};  // of each level, leaves included
   std::uint64_t voxels = 0;
-  std::uint64_t has_values = 0;
+  std::uint64_t content = 0;  // 0: geometry alone, 1: reflectance, 2: radiosity
   std::array<SectionEntry, kSections> section{};
   std::uint64_t file_bytes = 0;
   std::uint64_t hash = 0;  // of all before it
@@ -123,7 +123,8 @@ class SectionWriter {
   ContentHash digest_;
 };
 
-Header header_of(const VoxelTree& tree, std::uint64_t voxels, double build_seconds) {
+Header header_of(const VoxelTree& tree, VoxelTree::Content content, std::uint64_t voxels,
+                 double build_seconds) {
   const VoxelTree::Parts& parts = tree.parts();
   Header header;
   header.depth = parts.depth;
@@ -133,7 +134,8 @@ Header header_of(const VoxelTree& tree, std::uint64_t voxels, double build_secon
   header.build_seconds = build_seconds;
   for (unsigned level = 0; level < tree.levels(); ++level) header.nodes[level] = tree.size(level);
   header.voxels = voxels;
-  header.has_values = parts.first_voxel.empty() ? 0 : 1;
+  if (!parts.first_voxel.empty())
+    header.content = content == VoxelTree::Content::kRadiosity ? 2 : 1;
   return header;
 }
 
@@ -186,6 +188,7 @@ class RloReader {
       fail("has a depth of " + std::to_string(header_.depth) + ", which is too large");
     if (header_.separating != 6 && header_.separating != 26)
       fail("separates neither 6 nor 26 neighbours");
+    if (header_.content > 2) fail("has values of an unknown kind");
     for (const double c : header_.corner)
       if (!std::isfinite(c)) fail("has a cube that is not finite");
     if (!(header_.edge > 0) || !std::isfinite(header_.edge)) fail("has a cube without extent");
@@ -223,7 +226,9 @@ class RloReader {
       nodes = nodes.subspan(header_.nodes[level]);
     }
     parts.leaves = section<std::uint64_t>(kLeaves, header_.nodes[levels - 1]);
-    const bool values = header_.has_values != 0;
+    const bool values = header_.content != 0;
+    parts.content =
+        header_.content == 2 ? VoxelTree::Content::kRadiosity : VoxelTree::Content::kReflectance;
     parts.first_voxel = section<std::uint64_t>(kFirstVoxel, values ? parts.leaves.size() : 0);
     parts.values = section<VoxelValue>(kValues, values ? header_.voxels : 0);
     auto node_values = section<VoxelValue>(kNodeValues, values ? count_nodes(levels) : 0);
@@ -241,18 +246,22 @@ class RloReader {
 }  // namespace
 
 struct RloWriter::State {
-  State(const std::filesystem::path& file, const Cube& cube, unsigned depth, Separating separating)
-      : out(file), builder(cube, depth, separating, [this](auto values) { out.add(values); }) {
+  State(const std::filesystem::path& file, const Cube& cube, unsigned depth, Separating separating,
+        VoxelTree::Content kind)
+      : out(file),
+        content(kind),
+        builder(cube, depth, separating, [this](auto values) { out.add(values); }) {
     out.begin(kValues);
   }
   SectionWriter out;
+  VoxelTree::Content content;
   VoxelTreeBuilder builder;
   std::uint64_t voxels = 0;
 };
 
 RloWriter::RloWriter(const std::filesystem::path& file, const Cube& cube, unsigned depth,
-                     Separating separating)
-    : state_(std::make_unique<State>(file, cube, depth, separating)) {}
+                     Separating separating, VoxelTree::Content content)
+    : state_(std::make_unique<State>(file, cube, depth, separating, content)) {}
 
 RloWriter::~RloWriter() = default;
 
@@ -273,7 +282,7 @@ void RloWriter::finish(double build_seconds) {
   out.add(parts.first_voxel);
   out.begin(kNodeValues);
   for (const auto& values : parts.node_values) out.add(values);
-  out.finish(header_of(tree, state_->voxels, build_seconds));
+  out.finish(header_of(tree, state_->content, state_->voxels, build_seconds));
 }
 
 RloFile read_rlo(const std::filesystem::path& file) {

@@ -33,7 +33,7 @@ class RloWriter {
  public:
   /// Throws FileError if the folder cannot be written to.
   RloWriter(const std::filesystem::path& file, const Cube& cube, unsigned depth,
-            Separating separating);
+            Separating separating, VoxelTree::Content content = VoxelTree::Content::kReflectance);
   ~RloWriter();
 
   /// As VoxelTreeBuilder::add(). A full disk is noticed here or in finish(): FileError.

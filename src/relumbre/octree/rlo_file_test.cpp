@@ -19,7 +19,7 @@ using test::blocks_of, test::random_codes;
 class Rlo : public testing::Test {
  protected:
   void write(unsigned depth, const VoxelBlocks& blocks) const {
-    RloWriter writer(file_, cube_, depth, Separating::k6);
+    RloWriter writer(file_, cube_, depth, Separating::k6, VoxelTree::Content::kRadiosity);
     writer.add(blocks);
     writer.finish(1.5);
   }
@@ -49,6 +49,8 @@ TEST_F(Rlo, ReadsWhatWasWritten) {
       EXPECT_EQ(read.tree.cube(), cube_);
       EXPECT_EQ(read.tree.depth(), depth);
       EXPECT_EQ(read.tree.separating(), Separating::k6);
+      EXPECT_EQ(read.tree.content(),
+                values ? VoxelTree::Content::kRadiosity : VoxelTree::Content::kReflectance);
       EXPECT_TRUE(std::ranges::equal(read.tree.leaves(), tree.leaves()));
       EXPECT_TRUE(std::ranges::equal(read.tree.values(), tree.values()));
       for (unsigned level = 0; level < tree.levels(); ++level)
@@ -63,7 +65,7 @@ TEST_F(Rlo, PiecesMakeTheSameFile) {
   write(6, blocks_of(codes, true));
   const std::string whole = read_file(file_);
   const auto middle = std::ranges::lower_bound(codes, codes[codes.size() / 2] & ~std::uint64_t{63});
-  RloWriter writer(file_, cube_, 6, Separating::k6);
+  RloWriter writer(file_, cube_, 6, Separating::k6, VoxelTree::Content::kRadiosity);
   writer.add(blocks_of({codes.begin(), middle}, true));
   writer.add(blocks_of({middle, codes.end()}, true));
   writer.finish(1.5);

@@ -68,6 +68,21 @@ std::uint64_t VoxelTree::geometry_bytes() const {
   return bytes;
 }
 
+std::optional<std::uint64_t> VoxelTree::find(const Cell& cell) const {
+  if (std::max({cell.x, cell.y, cell.z}) >> depth() != 0) return std::nullopt;
+  const std::uint64_t code = morton_encode(cell);
+  std::uint64_t node = 0;
+  for (unsigned level = 0; level + 1 < levels(); ++level) {
+    const auto bit = static_cast<unsigned>(code >> 6 * (levels() - 1 - level) & 63);
+    const Node& at = nodes(level)[node];
+    if (!(at.mask >> bit & 1)) return std::nullopt;
+    node = at.first + rank(at.mask, bit);
+  }
+  const auto bit = static_cast<unsigned>(code & 63);
+  if (!(leaves()[node] >> bit & 1)) return std::nullopt;
+  return voxel_index(node, bit);
+}
+
 void check_tree(const VoxelTree& tree) {
   const VoxelTree::Parts& parts = tree.parts();
   const unsigned levels = tree.levels();

@@ -18,10 +18,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <utility>
 
 #include "relumbre/octree/cube.h"
+#include "relumbre/octree/morton.h"
 #include "relumbre/octree/triangle_cells.h"
 #include "relumbre/octree/voxel_value.h"
 
@@ -30,6 +32,9 @@ namespace relumbre {
 class VoxelTree {
  public:
   static constexpr unsigned kMaxLevels = 8;  ///< of nodes
+
+  /// What the voxels' colours are.
+  enum class Content { kReflectance, kRadiosity };
 
   struct Node {
     std::uint64_t mask = 0;
@@ -40,6 +45,7 @@ class VoxelTree {
     Cube cube;
     unsigned depth = 0;
     Separating separating = Separating::k26;
+    Content content = Content::kReflectance;
     std::array<std::span<const Node>, kMaxLevels> nodes;  ///< of the inner levels
     std::span<const std::uint64_t> leaves;
     std::span<const std::uint64_t> first_voxel;  ///< of each leaf; empty without values
@@ -55,6 +61,7 @@ class VoxelTree {
   [[nodiscard]] const Cube& cube() const { return parts_.cube; }
   [[nodiscard]] unsigned depth() const { return parts_.depth; }
   [[nodiscard]] Separating separating() const { return parts_.separating; }
+  [[nodiscard]] Content content() const { return parts_.content; }
   [[nodiscard]] unsigned levels() const { return levels_of(parts_.depth); }
   [[nodiscard]] std::span<const Node> nodes(unsigned level) const { return parts_.nodes[level]; }
   [[nodiscard]] std::span<const std::uint64_t> leaves() const { return parts_.leaves; }
@@ -76,6 +83,9 @@ class VoxelTree {
   [[nodiscard]] std::uint64_t voxel_index(std::uint64_t leaf, unsigned bit) const {
     return parts_.first_voxel[leaf] + rank(parts_.leaves[leaf], bit);
   }
+
+  /// The index of a cell's value; none for a cell without a voxel, or outside the grid.
+  [[nodiscard]] std::optional<std::uint64_t> find(const Cell& cell) const;
 
   /// How many bits of the mask are set below `bit`.
   static std::uint64_t rank(std::uint64_t mask, unsigned bit) {

@@ -1,5 +1,6 @@
 #include "relumbre/octree/voxel_tree.h"
 
+#include <algorithm>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -24,10 +25,20 @@ TEST(VoxelTree, HoldsTheVoxelsItWasBuiltFrom) {
       ASSERT_EQ(index, i);
       ASSERT_EQ(code, codes[i]);
       ASSERT_EQ(tree.values()[index], test::value_of(code));
+      ASSERT_EQ(tree.find(morton_decode(code)), index);
       ++i;
     });
     EXPECT_EQ(i, codes.size());
   }
+}
+
+TEST(VoxelTree, FindsNothingWhereNothingIs) {
+  const auto codes = random_codes(4, 1000);
+  const VoxelTree tree = build_tree({}, 4, Separating::k26, blocks_of(codes, true));
+  for (std::uint64_t code = 0; code < 1 << 12; ++code)
+    EXPECT_EQ(tree.find(morton_decode(code)).has_value(), std::ranges::binary_search(codes, code));
+  EXPECT_FALSE(tree.find({16, 0, 0}));
+  EXPECT_FALSE(tree.find({0, 0xFFFFFFFF, 0}));
 }
 
 TEST(VoxelTree, NodesHaveTheMeansOfTheirVoxels) {

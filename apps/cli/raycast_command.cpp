@@ -1,0 +1,124 @@
+#include <map>
+
+#include "cli/octree_report.h"
+#include "cli/view_options.h"
+#include "relumbre/base/error.h"
+#include "relumbre/render/voxel_view.h"
+
+namespace relumbre::cli {
+
+namespace {
+
+struct Options {
+  std::string octree;
+  ViewOptions picture;
+  VoxelViewConfig view;
+  std::string shading = "auto", show = "picture", traversal = "full-stack";
+  int stack_nodes = 4;
+};
+
+const std::map<std::string, Traversal::Kind> kTraversals{
+    {"restart", Traversal::Kind::kRestart},
+    {"backtrack", Traversal::Kind::kBacktrack},
+    {"full-stack", Traversal::Kind::kFullStack},
+    {"short-stack", Traversal::Kind::kShortStack}};
+
+VoxelShading shading_of(const std::string& name, const VoxelTree& tree) {
+  if (name == "color") return VoxelShading::kColor;
+  if (name == "normal") return VoxelShading::kNormal;
+  const bool is_light = tree.content() == VoxelTree::Content::kRadiosity;
+  return name == "auto" && is_light ? VoxelShading::kColor : VoxelShading::kLit;
+}
+
+Camera camera_of(const std::string& choice, const VoxelTree& tree) {
+  return choice == "auto" ? voxel_camera(tree) : read_camera(choice);
+}
+
+/// A lit surface and a normal have their brightness; light is exposed.
+ToneConfig tone_of(const Options& options, const VoxelViewConfig& view) {
+  ViewOptions picture = options.picture;
+  if (view.shading != VoxelShading::kColor || options.show != "picture") {
+    if (picture.exposure == "auto") picture.exposure = "0";
+    picture.curve = "srgb";
+  }
+  return parse_tone(picture);
+}
+
+Image make_picture(const Options& options, const VoxelViewConfig& view, const VoxelTree& tree,
+                   Session& session) {
+  const Camera camera = camera_of(options.picture.camera, tree);
+  if (options.show == "picture") return render_voxels(tree, camera, view, session.progress);
+  const Traversal traversal{kTraversals.at(options.traversal), options.stack_nodes};
+  return traversal_heat_map(tree, camera, view.width, view.height, traversal, options.show,
+                            session.progress);
+}
+
+void report_traversal(const Image& image, Session& session) {
+  for (const char* name : {"visits", "reads", "level"}) {
+    const auto values = image.channel(name);
+    double sum = 0;
+    for (const float v : values) sum += static_cast<double>(v);
+    const double mean = sum / static_cast<double>(values.size());
+    const float most = *std::ranges::max_element(values);
+    session.report.figure(name, name, nlohmann::json{{"mean", mean}, {"largest", most}},
+                          fmt::format("{:.2f} a ray, at most {:.0f}", mean, most));
+  }
+}
+
+void run(Options options, Session& session) {
+  parse_size(options.picture.size, options.view.width, options.view.height);
+  check_pictures(options.picture, "raycast");
+  const RloFile file = read_rlo(options.octree);
+  options.view.shading = shading_of(options.shading, file.tree);
+  const ToneConfig tone = tone_of(options, options.view);
+
+  const Stopwatch watch;
+  const Image image = make_picture(options, options.view, file.tree, session);
+  session.progress.clear();
+  const auto rays = static_cast<double>(options.view.width * options.view.height) *
+                    (options.show == "picture" ? 1 + options.view.samples : 1);
+  session.report.figure("render_s", "rendered in", watch.seconds(),
+                        fmt::format("{} ({:.1f} Mray/s)", seconds_text(watch.seconds()),
+                                    rays / watch.seconds() / 1e6));
+  if (options.show != "picture") report_traversal(image, session);
+  save_pictures(options.picture, image, tone, session);
+}
+
+void define(CLI::App& command, Options& o) {
+  command.add_option("octree", o.octree, "An octree written by `relumbre voxelize` (.rlo)")
+      ->required();
+  add_view_options(command, o.picture, "auto (all of the cube), or cam.json");
+  command.add_option("--samples", o.view.samples, "Rays per pixel")->capture_default_str();
+  command
+      .add_option(
+          "--shading", o.shading,
+          "lit: a lamp at the eye; color: as stored; normal; auto: color for relit octrees, "
+          "else lit")
+      ->check(CLI::IsMember({"auto", "lit", "color", "normal"}))
+      ->capture_default_str();
+  command.add_flag("--smooth", o.view.smooth,
+                   "Interpolate colours and normals between neighbouring voxels");
+  command
+      .add_option("--show", o.show,
+                  "picture, or a heat map of what a traversal does: visits, reads or level")
+      ->check(CLI::IsMember({"picture", "visits", "reads", "level"}))
+      ->capture_default_str();
+  command
+      .add_option("--traversal", o.traversal,
+                  "Of a heat map: restart, backtrack, full-stack or short-stack")
+      ->check(CLI::IsMember({"restart", "backtrack", "full-stack", "short-stack"}))
+      ->capture_default_str();
+  command.add_option("--stack", o.stack_nodes, "Nodes that a short stack holds")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+}
+
+}  // namespace
+
+void add_raycast_command(CLI::App& app) {
+  add_command<Options>(app, "raycast", "A picture of a sparse voxel octree",
+                       "relumbre raycast bunny.rlo --size 1280x720 --smooth -o bunny.png", define,
+                       run);
+}
+
+}  // namespace relumbre::cli
