@@ -78,15 +78,6 @@ void spread_stripe(const Work& work, std::size_t first, std::size_t last, std::s
     result[first * width + i] = cover.color(i);
 }
 
-/// Alpha is 1 wherever there is something.
-bool opaque(const DepthPicture& picture) {
-  const auto solid = [](const Rgba& c) { return c.a == 1; };
-  if (!std::ranges::all_of(picture.front.color, solid)) return false;
-  for (std::size_t i = 0; i < picture.behind.color.size(); ++i)
-    if (picture.behind.depth[i] > 0 && !solid(picture.behind.color[i])) return false;
-  return true;
-}
-
 }  // namespace
 
 std::vector<Rgba> spread(const DepthPicture& picture, const ThinLens& lens,
@@ -106,7 +97,7 @@ std::vector<Rgba> spread(const DepthPicture& picture, const ThinLens& lens,
   const ApertureKernels kernels(config.shape, config.aperture,
                                 std::min(by_rows, ApertureKernels::kLargest));
   const Work work{picture, layers, kernels, outline};
-  const auto spread_rows = opaque(picture) ? spread_stripe<OpaqueSum> : spread_stripe<AlphaSum>;
+  const auto spread_rows = picture.opaque() ? spread_stripe<OpaqueSum> : spread_stripe<AlphaSum>;
 
   std::vector<Rgba> result(picture.pixels());
   progress.begin("spreading", picture.height);
