@@ -38,8 +38,7 @@ std::vector<float> blur_steps(float least, float largest, std::size_t steps) {
     add(with_whole_radius(kEven * std::sinh(first + t * (last - first))));
   }
   std::ranges::sort(result);
-  const auto repeated = std::ranges::unique(result);
-  result.erase(repeated.begin(), repeated.end());
+  result.erase(std::unique(result.begin(), result.end()), result.end());
   return result;
 }
 
