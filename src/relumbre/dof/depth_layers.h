@@ -10,8 +10,8 @@
 
 namespace relumbre {
 
-/// Fragments front to back: layer by layer, in a layer row by row. Layers are equal steps of the
-/// circle of confusion, which grows with depth, so that what is in one layer has about one blur.
+/// Fragments front to back: layer by layer, in a layer row by row. Layers are steps of the circle
+/// of confusion, which grows with depth, so that what is in one layer has about one blur.
 struct DepthLayers {
   std::size_t height = 0, layers = 0;
   std::vector<Fragment> fragments;
@@ -26,9 +26,14 @@ struct DepthLayers {
   }
 };
 
-/// A stable sort in O(fragments + layers · height). `fragments` is not empty and has fewer than
-/// 2^32. Throws ValueError for 0 layers.
+/// Layers of equal steps. A stable sort in O(fragments + layers · height). `fragments` is not empty
+/// and has fewer than 2^32. Throws ValueError for 0 layers.
 DepthLayers sort_into_layers(std::span<const Fragment> fragments, std::size_t height,
                              std::size_t layers);
+
+/// The same with layers between bounds, which are ascending and at least one: layer i has what lies
+/// from bounds[i] to below bounds[i + 1], the first and the last also what lies beyond.
+DepthLayers sort_between(std::span<const Fragment> fragments, std::size_t height,
+                         std::span<const float> bounds);
 
 }  // namespace relumbre

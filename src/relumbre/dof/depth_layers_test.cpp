@@ -41,6 +41,26 @@ TEST(DepthLayers, HoldEveryFragmentOnce) {
   }
 }
 
+TEST(DepthLayers, LieBetweenBounds) {
+  const auto fragments = some_fragments(3001, 13);
+  const std::vector<std::vector<float>> cases = {
+      {-20, 0, 1.5F, 30, 90}, {-5, 5, 6}, {-20, 90}, {3}};
+  for (const std::vector<float>& bounds : cases) {
+    const DepthLayers result = sort_between(fragments, 13, bounds);
+    ASSERT_EQ(result.layers, std::max<std::size_t>(bounds.size() - 1, 1));
+    ASSERT_EQ(result.fragments.size(), fragments.size());
+    for (std::size_t layer = 0; layer < result.layers; ++layer) {
+      for (std::size_t y = 0; y < 13; ++y) {
+        for (const Fragment& f : result.rows(layer, y, y + 1)) {
+          EXPECT_EQ(f.y, y);
+          EXPECT_TRUE(layer == 0 || f.coc >= bounds[layer]);
+          EXPECT_TRUE(layer + 1 == result.layers || f.coc < bounds[layer + 1]);
+        }
+      }
+    }
+  }
+}
+
 TEST(DepthLayers, GoFromFrontToBackInEqualSteps) {
   constexpr std::size_t kLayers = 24;
   const auto fragments = some_fragments(5000, 11);

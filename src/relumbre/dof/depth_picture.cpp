@@ -88,6 +88,14 @@ void DepthPicture::check() const {
   if (has_behind()) check_layer(behind, width, height, true);
 }
 
+bool DepthPicture::opaque() const {
+  const auto solid = [](const Rgba& c) { return c.a == 1; };
+  if (!std::ranges::all_of(front.color, solid)) return false;
+  for (std::size_t i = 0; i < behind.color.size(); ++i)
+    if (behind.depth[i] > 0 && !solid(behind.color[i])) return false;
+  return true;
+}
+
 DepthPicture depth_picture(const Image& image, const DepthPictureConfig& config) {
   if (config.radial && !(config.pixels_per_tangent > 0)) {
     throw ValueError("radial depth: the camera's angle of view is needed");

@@ -31,6 +31,8 @@ struct DepthPicture {
 
   [[nodiscard]] std::size_t pixels() const { return width * height; }
   [[nodiscard]] bool has_behind() const { return !behind.color.empty(); }
+  /// Alpha is 1 wherever there is something.
+  [[nodiscard]] bool opaque() const;
   /// Throws ShapeError if the planes do not fit the size, ValueError naming the first pixel whose
   /// depth is NaN, 0 or negative, or whose colour is not finite.
   void check() const;

@@ -263,6 +263,19 @@ TEST(DepthPicture, OnlyWhatLiesBehindMayBeUnknown) {
   EXPECT_THROW(picture.check(), ValueError);
 }
 
+TEST(DepthPicture, IsOpaqueWhereverThereIsSomething) {
+  DepthPicture picture = test::plane(3, 2, 1);
+  EXPECT_TRUE(picture.opaque());
+  picture.behind = test::plane(3, 2, 4).front;
+  picture.behind.color[4].a = 0, picture.behind.depth[4] = 0;
+  EXPECT_TRUE(picture.opaque());
+  picture.behind.depth[4] = 7;
+  EXPECT_FALSE(picture.opaque());
+  picture.behind = {};
+  picture.front.color[1].a = 0.5F;
+  EXPECT_FALSE(picture.opaque());
+}
+
 TEST(DepthPicture, BecomesAnImageAgain) {
   const DepthPicture picture = test::noise(7, 5, 2);
   const Image image = image_of(picture.front.color, 7, 5);

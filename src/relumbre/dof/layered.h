@@ -10,16 +10,17 @@
 namespace relumbre {
 
 struct LayeredConfig {
-  std::size_t layers = 64;        ///< steps of the circle of confusion
+  std::size_t layers = 64;        ///< steps of the circle of confusion, at most
   double largest_diameter = 512;  ///< pixels
 };
 
-/// The picture, and what lies behind it, is cut into layers by its signed circle of confusion. Each
-/// layer's premultiplied colour and coverage are blurred by a box with the area of the layer's mean
-/// circle of confusion, by summed-area tables. From front to back, each layer takes what share of a
-/// pixel the layers before it have left over: the coverages of a surface that crosses from one
-/// layer into the next add up to 1. What is blurred alike within a layer steps to the next one's
-/// blur at its border. Time and memory do not depend on the blur. Throws as spread().
+/// The picture, and what lies behind it, is cut into steps of the signed circle of confusion (see
+/// blur_steps.h). What lies between two steps is shared out between both in proportion, so that the
+/// shares of a surface that crosses them add up to 1 and its blur changes evenly. Each step's
+/// premultiplied colour and coverage are blurred by a box with the area of its circle of confusion,
+/// by summed-area tables of that part of the picture where it has anything. From front to back,
+/// each takes what share of a pixel those before it have left over. Time and memory hardly depend
+/// on the blur. Throws as spread().
 std::vector<Rgba> layered(const DepthPicture& picture, const ThinLens& lens,
                           const LayeredConfig& config = {}, Progress& progress = no_progress());
 

@@ -9,9 +9,10 @@
 
 #include "relumbre/base/error.h"
 #include "relumbre/base/parallel.h"
+#include "relumbre/dof/blur_steps.h"
 #include "relumbre/dof/cover.h"
-#include "relumbre/dof/depth_layers.h"
 #include "relumbre/dof/focus.h"
+#include "relumbre/dof/fragments.h"
 #include "relumbre/dof/slow_box_testing.h"
 #include "relumbre/dof/test_pictures.h"
 
@@ -39,35 +40,42 @@ void expect_near(const std::vector<Rgba>& a, const std::vector<Rgba>& b, float t
   }
 }
 
-/// Every layer by itself, from front to back.
+/// 1 at step i, falling evenly to 0 at those beside it.
+float tent(const std::vector<float>& steps, std::size_t i, float coc) {
+  if (coc == steps[i]) return 1;
+  if (coc < steps[i])
+    return i == 0 ? 0 : std::max(1 - (steps[i] - coc) / (steps[i] - steps[i - 1]), 0.0F);
+  return i + 1 == steps.size() ? 0
+                               : std::max(1 - (coc - steps[i]) / (steps[i + 1] - steps[i]), 0.0F);
+}
+
+/// Every step by itself, from front to back: all fragments, weighted by the step's tent, in a
+/// picture of their own.
 std::vector<Rgba> slow_layered(const DepthPicture& picture, const ThinLens& lens,
                                const LayeredConfig& config) {
   const auto circles = [&](const PictureLayer& layer) {
     return circles_of_confusion(layer.depth, lens, picture.width, config.largest_diameter);
   };
-  const DepthLayers layers =
-      sort_into_layers(fragments_of(picture, circles(picture.front), circles(picture.behind)),
-                       picture.height, config.layers);
+  const auto fragments = fragments_of(picture, circles(picture.front), circles(picture.behind));
+  const auto [least, largest] = std::ranges::minmax(fragments, {}, &Fragment::coc);
+  const std::vector<float> steps = blur_steps(least.coc, largest.coc, config.layers);
   Cover cover(picture.pixels());
-  for (std::size_t layer = 0; layer < config.layers; ++layer) {
-    const auto fragments = layers.rows(layer, 0, picture.height);
-    if (fragments.empty()) continue;
+  for (std::size_t step = 0; step < steps.size(); ++step) {
     std::vector<Rgba> colors(picture.pixels()), coverages(picture.pixels());
-    double circle = 0;
     for (const Fragment& f : fragments) {
+      const float w = tent(steps, step, f.coc);
       Rgba& c = colors[f.y * picture.width + f.x];
-      c = {c.r + f.color.r, c.g + f.color.g, c.b + f.color.b, c.a + f.color.a};
-      coverages[f.y * picture.width + f.x].a += f.coverage;
-      circle += static_cast<double>(f.coc) / static_cast<double>(fragments.size());
+      c = {c.r + w * f.color.r, c.g + w * f.color.g, c.b + w * f.color.b, c.a + w * f.color.a};
+      coverages[f.y * picture.width + f.x].a += w * f.coverage;
     }
-    const double side = std::sqrt(std::numbers::pi) / 2 * std::abs(circle);
+    const auto circle = static_cast<double>(std::abs(steps[step]));
+    const double side = std::sqrt(std::numbers::pi) / 2 * circle;
     const std::vector<float> radii(picture.pixels(),
                                    static_cast<float>(std::max((side - 1) / 2, 0.0)));
     colors = slow_box(colors, picture.width, picture.height, radii);
     coverages = slow_box(coverages, picture.width, picture.height, radii);
     for (std::size_t i = 0; i < colors.size(); ++i)
-      cover.add(i, colors[i], static_cast<double>(coverages[i].a),
-                tolerance_of(static_cast<double>(layers.reach[layer])));
+      cover.add(i, colors[i], static_cast<double>(coverages[i].a), tolerance_of(circle));
   }
   std::vector<Rgba> result;
   for (std::size_t i = 0; i < picture.pixels(); ++i) result.push_back(cover.color(i));
@@ -92,20 +100,41 @@ TEST(Layered, ASurfaceThatCrossesLayersHidesWhatLiesBehind) {
   }
 }
 
+TEST(Layered, ASteepSurfaceHasNoLinesWhereStepsMeet) {
+  // The circle of confusion grows by a pixel a column, through the plane in focus.
+  constexpr std::size_t kWidth = 120;
+  const ThinLens lens = blurring(40, kWidth, 1);
+  DepthPicture picture = plane(kWidth, 60, 40, kBlue);
+  for (std::size_t i = 0; i < picture.pixels(); ++i) {
+    const double column = static_cast<double>(i % kWidth) - 10, circle = column - 40;
+    if (column < 0 || column >= 60) continue;
+    // Signed circles are linear in inverse depth: 0 at 2 m, −40 at 1 m.
+    picture.front.depth[i] = static_cast<float>(1 / (0.5 - 0.5 * circle / 40));
+    picture.front.color[i] = kRed;
+  }
+  picture.behind = plane(kWidth, 60, 40, kBlue).front;
+  const auto result = layered(picture, lens);
+  for (std::size_t x = 40; x < 58; ++x) EXPECT_NEAR(result[30 * kWidth + x].r, 1, 0.01) << x;
+}
+
 TEST(Layered, WhatIsInFocusIsUntouched) {
   const DepthPicture picture = noise(83, 61, 2);
   expect_near(layered(picture, blurring(20, 83, 1)), picture.front.color, 1e-6F);
 }
 
-TEST(Layered, IsLayersBlurredAndLaidOverOneAnother) {
+TEST(Layered, IsStepsBlurredAndLaidOverOneAnother) {
   for (const auto& [width, height] : {std::pair{1U, 1U}, {1U, 40U}, {40U, 1U}, {31U, 23U}}) {
     DepthPicture picture = noise(width, height, 2);
     scatter_depths(picture, 0.9F, 9);
     picture.behind = noise(width, height, 12).front;
-    for (const std::size_t layers : {1U, 2U, 7U}) {
+    DepthPicture translucent = picture;
+    for (Rgba& c : translucent.front.color) c.a = c.g;
+    for (const std::size_t layers : {1U, 2U, 7U, 64U}) {
       const ThinLens lens = blurring(12, width, 1);
       const LayeredConfig config{.layers = layers, .largest_diameter = 20};
       expect_near(layered(picture, lens, config), slow_layered(picture, lens, config), 4e-6F);
+      expect_near(layered(translucent, lens, config), slow_layered(translucent, lens, config),
+                  4e-6F);
     }
   }
 }

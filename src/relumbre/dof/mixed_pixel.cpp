@@ -49,6 +49,13 @@ std::pair<float, float> range(std::span<const float> front, std::size_t width,
   return {least, largest};
 }
 
+/// More light than a mixture of the two can have: it is of a third surface.
+bool outshines(const Rgba& c, const Rgba& a, const Rgba& b) {
+  constexpr float kTwice = 2;
+  const auto light = [](const Rgba& of) { return of.r + of.g + of.b; };
+  return light(c) > kTwice * std::max(light(a), light(b));
+}
+
 /// How much of `a` there is in `c`, if the rest is `b`.
 float share_of(const Rgba& c, const Rgba& a, const Rgba& b) {
   const float dr = a.r - b.r, dg = a.g - b.g, db = a.b - b.b, da = a.a - b.a;
@@ -77,6 +84,8 @@ std::optional<MixedPixel> Unmixer::operator()(std::size_t x, std::size_t y) cons
   for (std::size_t v = window.y0; v < window.y1; ++v) {
     for (std::size_t u = window.x0; u < window.x1; ++u) {
       const std::size_t i = v * picture_.width + u;
+      // A third surface, farther away in the picture than a neighbour.
+      if (front_[i] < least - kOneSurface || front_[i] > largest + kOneSurface) continue;
       (front_[i] < middle ? near : far)
           .add(picture_.front.color[i], front_[i], mixed_[i] == 0 ? kUnmixed : kMixed);
     }
@@ -84,6 +93,10 @@ std::optional<MixedPixel> Unmixer::operator()(std::size_t x, std::size_t y) cons
   near.finish(), far.finish();
 
   const Rgba& c = picture_.front.color[here];
+  if (outshines(c, near.color, far.color)) {
+    const float sharper = std::abs(near.coc) <= std::abs(far.coc) ? 1 : 0;
+    return MixedPixel{sharper, near.coc, far.coc, c, c};
+  }
   float share = share_of(c, near.color, far.color);
   if (share < 0) share = front_[here] < middle ? 1 : 0;  // one colour: its depth decides
   const auto rest = [share](float value, float a, float b) {

@@ -21,7 +21,8 @@ struct MixedPixel {
 /// A picture with smooth edges has one depth for a pixel that shows two surfaces. Where the circle
 /// of confusion jumps, what unmixed pixels around show of the nearer and of the farther surface
 /// says how much of each a pixel has; the rest of its colour is added to both, so that the mixture
-/// is the pixel's colour exactly.
+/// is the pixel's colour exactly. A pixel twice as bright as either, of a lamp too thin to have
+/// pixels of its own, is left whole with the sharper of the two.
 class Unmixer {
  public:
   /// `front`: signed circles of confusion of picture.front, `edges` theirs. The first two outlive

@@ -47,6 +47,40 @@ Unmixer unmixer(const DepthPicture& picture, std::span<const float> circles) {
   return {picture, circles, SurfaceEdges(circles, picture.width, picture.height)};
 }
 
+/// Columns [10, 10 + wide) are a lamp between the near and the far surface.
+SmoothEdge with_lamp(std::size_t wide, float circle, const Rgba& color) {
+  SmoothEdge edge(0, false);
+  for (std::size_t i = 0; i < edge.circles.size(); ++i) {
+    const std::size_t x = i % SmoothEdge::kWidth;
+    if (x < SmoothEdge::kEdge || x >= SmoothEdge::kEdge + wide) continue;
+    edge.circles[i] = circle, edge.picture.front.color[i] = color;
+  }
+  return edge;
+}
+
+TEST(MixedPixel, SurfacesTwoPixelsAwayAreNotOneOfTheTwo) {
+  constexpr float kLamp = -8;
+  const SmoothEdge edge = with_lamp(2, kLamp, {90, 80, 70, 1});
+  const Unmixer unmix = unmixer(edge.picture, edge.circles);
+  const auto mixed = unmix(SmoothEdge::kEdge, 4);
+  ASSERT_TRUE(mixed.has_value());
+  EXPECT_NEAR(mixed->near_coc, kNear, 1e-4F);
+  EXPECT_NEAR(mixed->far_coc, kLamp, 1e-4F);
+  EXPECT_NEAR(mixed->share, 0, 1e-4F);
+  expect_near(mixed->far, {90, 80, 70, 1}, 1e-3F);
+}
+
+TEST(MixedPixel, LightThatNeitherSurfaceHasIsNotBlurredWithTheSofterOne) {
+  const Rgba lamp{40, 8, 20, 1};  // as far from the one colour as from the other
+  const SmoothEdge edge = with_lamp(1, kFar, lamp);
+  const Unmixer unmix = unmixer(edge.picture, edge.circles);
+  const auto mixed = unmix(SmoothEdge::kEdge, 4);
+  ASSERT_TRUE(mixed.has_value());
+  EXPECT_EQ(mixed->share, 0);  // the far one is the sharper
+  EXPECT_NEAR(mixed->far_coc, kFar, 1e-4F);
+  expect_near(mixed->far, lamp, 1e-4F);
+}
+
 TEST(MixedPixel, TheShareOfASmoothEdgeIsFound) {
   for (const float share : {0.0F, 0.1F, 0.3F, 0.5F, 0.8F, 1.0F}) {
     for (const bool depth_is_near : {true, false}) {

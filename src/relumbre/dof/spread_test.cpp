@@ -98,6 +98,17 @@ TEST(Spread, EnergyIsKeptAwayFromBorders) {
   }
 }
 
+TEST(Spread, LargeBoxesCrossStripesWithoutASeam) {
+  constexpr std::size_t kSize = 401;  // more than two stripes of either height
+  constexpr double kDiameter = 150;
+  const double side = std::sqrt(std::numbers::pi) / 2 * kDiameter;
+  const auto result = spread(point_light(kSize, 4, 1e4F), blurring(kDiameter, kSize, 4),
+                             {.shape = BlurShape::kBox});
+  EXPECT_NEAR(red(result), 1e4, 0.5);
+  for (std::size_t y = 200 - 65; y <= 200 + 65; ++y)
+    ASSERT_NEAR(result[y * kSize + 180].r, 1e4 / (side * side), 1e-4) << y;
+}
+
 TEST(Spread, BlursBeforeTheFocusAreTurnedByHalfATurn) {
   SpreadConfig triangle;
   triangle.aperture = {.blades = 3, .rotation_deg = 10};
