@@ -1,4 +1,4 @@
-// `relumbre voxelize`, and `info` on what it writes, as a user meets them.
+// `relumbre voxelize`, and `info` and `raycast` on what it writes, as a user meets them.
 
 #include <cmath>
 #include <string>
@@ -13,7 +13,7 @@
 namespace relumbre {
 namespace {
 
-class VoxelizeCli : public testing::Test {
+class OctreeCli : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = new ProgramFolder;
@@ -50,7 +50,7 @@ Rgb mean_color(const VoxelTree& tree) {
   return sum;
 }
 
-TEST_F(VoxelizeCli, WritesAnOctreeThatInfoDescribes) {
+TEST_F(OctreeCli, WritesAnOctreeThatInfoDescribes) {
   const nlohmann::json made = figures("c.glb --depth 6 -o c6.rlo");
   const VoxelTree tree = read_rlo(*folder_ / "c6.rlo").tree;
   EXPECT_EQ(made["octree"]["voxels"], tree.voxels());
@@ -63,7 +63,7 @@ TEST_F(VoxelizeCli, WritesAnOctreeThatInfoDescribes) {
   EXPECT_EQ(described["nodes"].size(), 3U);
 }
 
-TEST_F(VoxelizeCli, TheWallsKeepTheirColours) {
+TEST_F(OctreeCli, TheWallsKeepTheirColours) {
   ASSERT_EQ(run("c.glb --depth 5 -o c5.rlo").status, 0);
   const VoxelTree tree = read_rlo(*folder_ / "c5.rlo").tree;
   Rgb left, right;
@@ -79,7 +79,7 @@ TEST_F(VoxelizeCli, TheWallsKeepTheirColours) {
   EXPECT_TRUE(left_is_red || right_is_red);
 }
 
-TEST_F(VoxelizeCli, AStoresVoxelsHaveItsLight) {
+TEST_F(OctreeCli, AStoresVoxelsHaveItsLight) {
   ASSERT_EQ(run("--store c.h5 --depth 5 -o lit.rlo").status, 0);
   ASSERT_EQ(run("--store c.h5 --no-scene-lights --lights dim.json --depth 5 -o x.rlo").status, 1);
   folder_->write("dim.json", R"([{"type": "point", "position": [0.5, 0.5, 0.5], "intensity": 1}])");
@@ -96,7 +96,7 @@ TEST_F(VoxelizeCli, AStoresVoxelsHaveItsLight) {
   for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(bright[c] / dim[c], 10, 0.1);
 }
 
-TEST_F(VoxelizeCli, TheMemoryLimitDoesNotChangeTheFile) {
+TEST_F(OctreeCli, TheMemoryLimitDoesNotChangeTheFile) {
   ASSERT_EQ(run("c.glb --depth 9 --geometry-only -o one.rlo").status, 0);
   const VoxelTree one = read_rlo(*folder_ / "one.rlo").tree;
   ASSERT_EQ(run("c.glb --depth 9 --geometry-only --memory 120M -o many.rlo").status, 0);
@@ -104,19 +104,19 @@ TEST_F(VoxelizeCli, TheMemoryLimitDoesNotChangeTheFile) {
   EXPECT_TRUE(std::ranges::equal(one.leaves(), many.leaves()));
 }
 
-TEST_F(VoxelizeCli, WhatMemoryDoesNotAllowIsRefusedBeforeItStarts) {
+TEST_F(OctreeCli, WhatMemoryDoesNotAllowIsRefusedBeforeItStarts) {
   expect_refused("c.glb --depth 16 --memory 1G -o deep.rlo", "depth 16 needs about");
   expect_refused("c.glb --depth 5 --memory 10M -o deep.rlo", "--memory allows");
 }
 
-TEST_F(VoxelizeCli, ThinVoxelsAreFewer) {
+TEST_F(OctreeCli, ThinVoxelsAreFewer) {
   const auto thin = figures("c.glb --depth 7 --separating 6 -o thin.rlo");
   const auto all = figures("c.glb --depth 7 --separating 26 -o all.rlo");
   EXPECT_LT(thin["octree"]["voxels"], all["octree"]["voxels"]);
   EXPECT_EQ(thin["octree"]["separating"], 6);
 }
 
-TEST_F(VoxelizeCli, ExportsAreWrittenBeside) {
+TEST_F(OctreeCli, ExportsAreWrittenBeside) {
   ASSERT_EQ(run("c.glb --depth 6 -o e.rlo --export e.vox --export e.ply").status, 0);
   EXPECT_EQ(folder_->read("e.vox").substr(0, 4), "VOX ");
   EXPECT_EQ(folder_->read("e.ply").substr(0, 4), "ply\n");
@@ -124,7 +124,7 @@ TEST_F(VoxelizeCli, ExportsAreWrittenBeside) {
   expect_refused("c.glb --depth 12 -o f.rlo --export f.vox", "MagicaVoxel");
 }
 
-TEST_F(VoxelizeCli, BadInputIsRefusedInOneLine) {
+TEST_F(OctreeCli, BadInputIsRefusedInOneLine) {
   expect_refused("missing.glb --depth 5 -o a.rlo", "missing.glb");
   expect_refused("--depth 5 -o a.rlo", "either a scene or --store");
   expect_refused("c.glb --store c.h5 --depth 5 -o a.rlo", "either a scene or --store");
@@ -137,7 +137,7 @@ TEST_F(VoxelizeCli, BadInputIsRefusedInOneLine) {
   EXPECT_NE(info.err.find("bad.rlo: is not a Relumbre octree"), std::string::npos) << info.err;
 }
 
-TEST_F(VoxelizeCli, DegenerateMeshesAreVoxelisedOrRefused) {
+TEST_F(OctreeCli, DegenerateMeshesAreVoxelisedOrRefused) {
   folder_->write("one.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   EXPECT_GT(figures("one.obj --depth 5 -o one.rlo")["octree"]["voxels"], 32 * 32 / 2);
   folder_->write("point.obj", "v 1 1 1\nv 1 1 1\nv 1 1 1\nf 1 2 3\n");
@@ -147,7 +147,42 @@ TEST_F(VoxelizeCli, DegenerateMeshesAreVoxelisedOrRefused) {
   EXPECT_EQ(figures("one.obj --depth 0 -o zero.rlo")["octree"]["voxels"], 1);
 }
 
-TEST_F(VoxelizeCli, AFullDiskLeavesNothing) {
+TEST_F(OctreeCli, RaycastShowsAnOctreeAndDofFocusesIt) {
+  ASSERT_EQ(run("--store c.h5 --depth 7 -o room.rlo").status, 0);
+  const Outcome cast = folder_->run(
+      "raycast room.rlo --size 160x120 --smooth -o room.exr -o room.png --json r.json");
+  ASSERT_EQ(cast.status, 0) << cast.err;
+  const Image image = folder_->image("room.exr");
+  EXPECT_EQ(image.width(), 160U);
+  float alpha = 0;
+  for (const float a : image.channel("A")) alpha += a / 19200;
+  EXPECT_GT(alpha, 0.2F);
+  const Outcome focused = folder_->run("dof room.exr --f-number 0.5 -o focused.png");
+  EXPECT_EQ(focused.status, 0) << focused.err;
+}
+
+TEST_F(OctreeCli, RaycastDrawsHeatMapsOfEveryTraversal) {
+  ASSERT_EQ(run("c.glb --depth 6 -o heat.rlo").status, 0);
+  for (const char* traversal : {"restart", "backtrack", "full-stack", "short-stack --stack 2"}) {
+    const Outcome outcome = folder_->run("raycast heat.rlo --size 80x60 --show reads --traversal " +
+                                         std::string(traversal) + " -o heat.png --json h.json");
+    ASSERT_EQ(outcome.status, 0) << traversal << outcome.err;
+    EXPECT_GT(nlohmann::json::parse(folder_->read("h.json"))["reads"]["mean"], 1.0) << traversal;
+  }
+}
+
+TEST_F(OctreeCli, RaycastRefusesBadInput) {
+  ASSERT_EQ(run("c.glb --depth 3 -o r.rlo").status, 0);
+  EXPECT_EQ(folder_->run("raycast r.rlo --size 10 -o r.png").status, 2);
+  EXPECT_EQ(folder_->run("raycast r.rlo --traversal none -o r.png").status, 2);
+  EXPECT_EQ(folder_->run("raycast r.rlo -o r.gif").status, 1);
+  EXPECT_EQ(folder_->run("raycast r.rlo --camera none.json -o r.png").status, 1);
+  const Outcome missing = folder_->run("raycast missing.rlo -o r.png");
+  EXPECT_EQ(missing.status, 1);
+  EXPECT_NE(missing.err.find("missing.rlo"), std::string::npos) << missing.err;
+}
+
+TEST_F(OctreeCli, AFullDiskLeavesNothing) {
   const std::size_t before = folder_->files();
   const Outcome outcome =
       folder_->shell("trap '' XFSZ; ulimit -f 100; " + std::string(RELUMBRE_PROGRAM) +
@@ -157,7 +192,7 @@ TEST_F(VoxelizeCli, AFullDiskLeavesNothing) {
   EXPECT_EQ(folder_->files(), before);
 }
 
-TEST_F(VoxelizeCli, AnInterruptLeavesNothingHalfWritten) {
+TEST_F(OctreeCli, AnInterruptLeavesNothingHalfWritten) {
   const std::size_t before = folder_->files();
   const Outcome outcome =
       folder_->run_and_interrupt(2, "voxelize c.glb --depth 13 --memory 40G -o stopped.rlo");
