@@ -17,7 +17,8 @@ std::uint64_t bytes_of_all(const std::vector<T>& values) {
 TEST(BakeEstimate, CountsTheSceneAsItIs) {
   const Scene scene = hand_made_scene().scene;
   // 6 vertices with texture coordinates and normals, 2 triangles, 3 texels.
-  EXPECT_EQ(estimate_bake(scene, {}).scene_bytes, 6U * (12 + 8 + 12 + 12) + 2U * (12 + 4 + 4 + 1) + 9U);
+  EXPECT_EQ(estimate_bake(scene, {}).scene_bytes,
+            6U * (12 + 8 + 12 + 12) + 2U * (12 + 4 + 4 + 1) + 9U);
 }
 
 TEST(BakeEstimate, BoundsWhatABakeMakes) {
