@@ -15,26 +15,8 @@
 namespace relumbre {
 namespace {
 
-using test::add_rectangle, test::noise, test::plane, test::scatter_depths, test::slow_box;
-
-constexpr Rgba kRed{1, 0, 0, 1}, kBlue{0, 0, 1, 1};
-
-/// In focus at 2 m; so many pixels of blur at `depth`.
-ThinLens blurring(double pixels, std::size_t width, double depth) {
-  ThinLens lens{.focal_length_mm = 50, .f_number = 1, .focus_distance_m = 2, .sensor_width_mm = 36};
-  lens.f_number = lens.coc_diameter_pixels(depth, width) / pixels;
-  return lens;
-}
-
-void expect_near(const std::vector<Rgba>& a, const std::vector<Rgba>& b, float tolerance) {
-  ASSERT_EQ(a.size(), b.size());
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    ASSERT_NEAR(a[i].r, b[i].r, tolerance) << i;
-    ASSERT_NEAR(a[i].g, b[i].g, tolerance) << i;
-    ASSERT_NEAR(a[i].b, b[i].b, tolerance) << i;
-    ASSERT_NEAR(a[i].a, b[i].a, tolerance) << i;
-  }
-}
+using test::add_rectangle, test::blurring, test::expect_near, test::kBlue, test::kRed, test::noise,
+    test::plane, test::scatter_depths, test::slow_box;
 
 TEST(Gather, ConstantPictureStaysConstant) {
   DepthPicture picture = plane(83, 61, 2);

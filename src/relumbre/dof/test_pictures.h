@@ -1,12 +1,35 @@
-/// Pictures with depth made for tests.
+/// Pictures with depth made for tests, and lenses to look at them through.
 #pragma once
 
 #include <cstddef>
+#include <vector>
+
+#include <gtest/gtest.h>
 
 #include "relumbre/base/sampling.h"
 #include "relumbre/dof/depth_picture.h"
+#include "relumbre/image/thin_lens.h"
 
 namespace relumbre::test {
+
+inline constexpr Rgba kRed{1, 0, 0, 1}, kBlue{0, 0, 1, 1};
+
+/// In focus at 2 m; so many pixels of blur at `depth`.
+inline ThinLens blurring(double pixels, std::size_t width, double depth) {
+  ThinLens lens{.focal_length_mm = 50, .f_number = 1, .focus_distance_m = 2, .sensor_width_mm = 36};
+  lens.f_number = lens.coc_diameter_pixels(depth, width) / pixels;
+  return lens;
+}
+
+inline void expect_near(const std::vector<Rgba>& a, const std::vector<Rgba>& b, float tolerance) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    ASSERT_NEAR(a[i].r, b[i].r, tolerance) << i;
+    ASSERT_NEAR(a[i].g, b[i].g, tolerance) << i;
+    ASSERT_NEAR(a[i].b, b[i].b, tolerance) << i;
+    ASSERT_NEAR(a[i].a, b[i].a, tolerance) << i;
+  }
+}
 
 /// One colour at one depth.
 inline DepthPicture plane(std::size_t width, std::size_t height, float depth,
