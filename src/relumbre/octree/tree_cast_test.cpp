@@ -2,11 +2,13 @@
 
 #include <cmath>
 #include <limits>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "relumbre/base/error.h"
+#include "relumbre/octree/cast_kernels.h"
 #include "relumbre/octree/octree_testing.h"
 #include "relumbre/octree/test_voxels.h"
 #include "relumbre/octree/traversal_testing.h"
@@ -66,7 +68,7 @@ TreeHit slow_cast(const VoxelSet& voxels, const CastRay& ray) {
 }
 
 void expect_equal(const std::vector<TreeHit>& hits, const std::vector<TreeHit>& expected,
-                  const std::vector<CastRay>& rays, const char* what) {
+                  const std::vector<CastRay>& rays, const std::string& what) {
   std::size_t wrong = 0;
   for (std::size_t i = 0; i < hits.size(); ++i) {
     if (hits[i] == expected[i] || wrong++ > 0) continue;
@@ -85,6 +87,11 @@ std::size_t expect_exact(const VoxelSet& voxels, int depth, const std::vector<Ca
   for (const CastRay& ray : rays) expected.push_back(slow_cast(voxels, ray));
   expect_equal(cast_one_by_one(tree, rays), expected, rays, "one by one");
   expect_equal(cast_all(tree, rays), expected, rays, "batch");
+  for (const CastKernel& kernel : available_cast_kernels()) {
+    std::vector<TreeHit> hits(rays.size());
+    kernel.cast(tree, rays, hits);
+    expect_equal(hits, expected, rays, std::string(kernel.name));
+  }
   return static_cast<std::size_t>(
       std::ranges::count_if(expected, [](const TreeHit& hit) { return bool{hit}; }));
 }
