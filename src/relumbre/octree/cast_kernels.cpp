@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "relumbre/octree/ray_queue.h"
+#include "relumbre/octree/tree_beam.h"
 #include "relumbre/octree/tree_walk.h"
 
 // Members that are vectors need vectors of a known size.
@@ -20,31 +20,95 @@ HWY_BEFORE_NAMESPACE();
 namespace relumbre::HWY_NAMESPACE {
 namespace {
 
-/// Rays that miss the cube are done; those that lanes cannot take are walked one by one.
-void queue_rays(const VoxelTree& tree, std::span<const CastRay> rays, std::span<TreeHit> hits,
-                RayQueue& queue) {
-  const double edge = static_cast<double>(std::uint32_t{1} << tree.depth());
-  queue.size = 0;
-  for (std::size_t i = 0; i < rays.size(); ++i) {
-    const GridRay ray(rays[i].origin, rays[i].direction);
-    const RayInterval cube = ray.interval({}, std::uint32_t{1} << tree.depth());
-    const double end = std::min(rays[i].t_max, cube.exit);
-    hits[i] = {};
-    if (!(cube.enter < end)) continue;
-    if (is_tame(ray, edge))
-      push(queue, i, ray, rays[i].direction, cube.enter, end, edge);
-    else
-      hits[i] = TreeWalk(tree, ray).first_hit(0, rays[i].t_max);
+/// Rays in groups; each group's rays start together where their beam does.
+class Batch {
+ public:
+  Batch(const VoxelTree& tree, std::span<const CastRay> rays, std::span<TreeHit> hits)
+      : tree_(tree),
+        edge_(std::uint32_t{1} << tree.depth()),
+        rays_(rays),
+        hits_(hits),
+        addresses_(tree),
+        lanes_{{tree, addresses_}, {tree, addresses_}} {}
+
+  /// Two sets of lanes by turns: while one waits for its nodes, the other has something to do.
+  void cast() {
+    for (;;) {
+      for (RayLanes& lanes : lanes_) refill(lanes);
+      if (!lanes_[0].any() && !lanes_[1].any()) return;
+      for (RayLanes& lanes : lanes_) lanes.advance();
+    }
   }
-}
+
+ private:
+  static constexpr std::size_t kGroup = 64;
+
+  void refill(RayLanes& lanes) {
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      if (!lanes.is_free(lane)) continue;
+      while (next_ == group_size_ && first_ < rays_.size()) prepare_group();
+      if (next_ == group_size_) return;
+      const std::size_t i = index_[next_];
+      lanes.start(lane, rays_[i], hits_[i], group_[next_]);
+      ++next_;
+    }
+  }
+
+  void prepare_group() {
+    const std::size_t end = std::min(first_ + kGroup, rays_.size());
+    group_size_ = next_ = 0;
+    for (; first_ < end; ++first_) prepare(first_);
+    if (group_size_ < kGroup / 4) return;
+    const TreeBeam beam(tree_, std::span(group_).first(group_size_));
+    if (beam.is_beam()) start_later(beam);
+  }
+
+  /// Rays that miss the cube are done; those that lanes cannot take are walked.
+  void prepare(std::size_t i) {
+    const GridRay ray(rays_[i].origin, rays_[i].direction);
+    const RayInterval cube = ray.interval({}, edge_);
+    const double end = std::min(rays_[i].t_max, cube.exit);
+    hits_[i] = {};
+    if (!(cube.enter < end)) return;
+    if (!is_tame(ray, edge_)) {
+      hits_[i] = TreeWalk(tree_, ray).first_hit(0, rays_[i].t_max);
+      return;
+    }
+    index_[group_size_] = i;
+    group_[group_size_++] = {ray, rays_[i].direction, cube.enter, end};
+  }
+
+  void start_later(const TreeBeam& beam) {
+    const double plane = beam.first_plane();
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < group_size_; ++i) {
+      CubeRay ray = group_[i];
+      ray.now = std::max(ray.now, beam.time(ray.ray, plane));
+      if (!(ray.now < ray.end)) continue;
+      index_[kept] = index_[i];
+      group_[kept++] = ray;
+    }
+    group_size_ = kept;
+  }
+
+  const VoxelTree& tree_;
+  std::uint32_t edge_;
+  std::span<const CastRay> rays_;
+  std::span<TreeHit> hits_;
+  std::size_t first_ = 0;  ///< that no group has had
+  std::array<CubeRay, kGroup> group_;
+  std::array<std::size_t, kGroup> index_{};
+  std::size_t group_size_ = 0, next_ = 0;
+  TreeAddresses addresses_;
+  RayLanes lanes_[2];
+};
 
 void cast_rays(const VoxelTree& tree, std::span<const CastRay> rays, std::span<TreeHit> hits) {
-  const TreeAddresses addresses(tree);
-  RayQueue queue;
-  for (std::size_t i = 0; i < rays.size(); i += RayQueue::kCapacity) {
-    const std::size_t count = std::min(RayQueue::kCapacity, rays.size() - i);
-    queue_rays(tree, rays.subspan(i, count), hits.subspan(i, count), queue);
-    cast_queue(tree, addresses, queue, rays.subspan(i, count), hits.subspan(i, count));
+  if constexpr (kLanes >= 4) {
+    Batch(tree, rays, hits).cast();
+  } else {  // not faster than one by one
+    for (std::size_t i = 0; i < rays.size(); ++i)
+      hits[i] = relumbre::cast(tree, GridRay(rays[i].origin, rays[i].direction), rays[i].t_max);
   }
 }
 
