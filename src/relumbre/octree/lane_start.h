@@ -1,6 +1,7 @@
 /// What a ray needs before it can take a lane: see ray_lanes-inl.h.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 
@@ -12,7 +13,7 @@ namespace relumbre {
 inline double cell_at(const GridRay& ray, std::size_t axis, double guess, double now, double edge) {
   const double o = ray.origin()[axis], inverse = ray.inverse()[axis];
   const bool is_down = (ray.sign_mask() >> axis & 1U) != 0;
-  double cell = std::fmin(std::fmax(std::floor(guess), 0), edge - 1);  // NaN becomes 0
+  double cell = guess > 0 ? std::floor(std::min(guess, edge - 1)) : 0;  // NaN: 0
   const auto is_passed = [&](double plane) { return (plane - o) * inverse <= now; };
   // Above plane k if it is passed upwards, or not yet downwards.
   while (cell > 0 && is_passed(cell) == is_down) --cell;

@@ -71,7 +71,7 @@ class RayLanes {
       inverse_[axis][lane] = ray.inverse()[axis];
       slope_[axis][lane] = slope;
       cell_[axis][lane] = cell_at(ray, axis, o + slope * now, now, edge_);
-      largest = std::fmax(largest, std::abs(o));
+      largest = std::max(largest, std::abs(o));
     }
     now_[lane] = now, end_[lane] = part.end;
     certain_[lane] = 0.5 - 0x1p-48 * (largest + edge_);
@@ -226,7 +226,7 @@ class RayLanes {
     hn::BlendedStore(axis, moving, i, axis_);
     const Set doubtful = empty & ~left & ~set_of(hn::Lt(worst, certain));
     climb(empty & ~left & ~doubtful, shift, changed);
-    if (doubtful != 0) walk(doubtful);
+    if (HWY_UNLIKELY(doubtful != 0)) walk(doubtful);
   }
 
   /// To the node that has both the cell left and the cell entered.

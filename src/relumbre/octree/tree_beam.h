@@ -30,6 +30,28 @@ struct CubeRay {
   double now = 0, end = 0;
 };
 
+namespace tree_beam_detail {
+
+/// Children whose coordinate along an axis is in [from, to], by Morton code.
+constexpr std::uint64_t children(std::size_t axis, unsigned from, unsigned to) {
+  std::uint64_t mask = 0;
+  for (unsigned bit = 0; bit < 64; ++bit) {
+    const unsigned k = (bit >> axis & 1U) | (bit >> (axis + 3) & 1U) << 1;
+    if (from <= k && k <= to) mask |= std::uint64_t{1} << bit;
+  }
+  return mask;
+}
+
+inline constexpr auto kChildren = [] {
+  std::array<std::array<std::array<std::uint64_t, 4>, 4>, 3> table{};
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    for (unsigned from = 0; from < 4; ++from)
+      for (unsigned to = from; to < 4; ++to) table[axis][from][to] = children(axis, from, to);
+  return table;
+}();
+
+}  // namespace tree_beam_detail
+
 class TreeBeam {
  public:
   /// Of at least one ray. Not a beam if they go apart.
@@ -56,6 +78,7 @@ class TreeBeam {
   }
 
  private:
+  static constexpr auto& kChildren = tree_beam_detail::kChildren;
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
   static constexpr double kMargin = 0x1p-8;
   static constexpr std::uint32_t kFinest = 4;  ///< edge of the smallest children looked at
@@ -75,44 +98,34 @@ class TreeBeam {
       first_ = std::min({first_, o + d * r.now, o + d * r.end});
       last_ = std::max({last_, o + d * r.now, o + d * r.end});
     }
-    for (std::size_t side = 0; side < 2; ++side) {
-      const std::size_t axis = (main_ + 1 + side) % 3;
-      Line low{kInfinity, kInfinity}, high{-kInfinity, -kInfinity};
-      for (const CubeRay& r : rays) {
-        const double slope = r.direction[axis] * r.ray.inverse()[main_];
-        const double at_zero = r.ray.origin()[axis] - r.ray.origin()[main_] * slope;
-        const double a = at_zero + first_ * slope, b = at_zero + last_ * slope;
-        low = {std::min(low.first, a), std::min(low.last, b)};
-        high = {std::max(high.first, a), std::max(high.last, b)};
+    if (!(last_ - first_ > kMargin)) is_beam_ = false;
+    for (std::size_t side = 0; side < 2; ++side) bound(rays, side);
+  }
+
+  void bound(std::span<const CubeRay> rays, std::size_t side) {
+    const std::size_t axis = (main_ + 1 + side) % 3;
+    double low[2] = {kInfinity, kInfinity}, high[2] = {-kInfinity, -kInfinity};  // at both ends
+    for (const CubeRay& r : rays) {
+      const double slope = r.direction[axis] * r.ray.inverse()[main_];
+      for (std::size_t end = 0; end < 2; ++end) {
+        const double s = end == 0 ? first_ : last_;
+        const double point = r.ray.origin()[axis] + (s - r.ray.origin()[main_]) * slope;
+        low[end] = std::min(low[end], point), high[end] = std::max(high[end], point);
       }
-      low_[side] = low, high_[side] = high;
-      const double widest = std::max(high.first - low.first, high.last - low.last);
-      const double edge = static_cast<double>(std::uint32_t{1} << tree_.depth());
-      if (!(widest * 16 <= edge)) is_beam_ = false;
     }
-  }
-
-  /// A bound at both ends.
-  struct Line {
-    double first, last;
-  };
-  [[nodiscard]] double at(const Line& line, double s) const {
+    const double widest = std::max(high[0] - low[0], high[1] - low[1]);
+    const auto edge = static_cast<double>(std::uint32_t{1} << tree_.depth());
+    if (!(widest * 16 <= edge)) is_beam_ = false;
     const double length = last_ - first_;
-    return length > 0 ? line.first + (line.last - line.first) * ((s - first_) / length)
-                      : line.first;
+    low_[side] = {low[0] - kMargin, (low[1] - low[0]) / length};
+    high_[side] = {high[0] + kMargin, (high[1] - high[0]) / length};
   }
 
-  /// Children whose coordinate along an axis is in [from, to], by Morton code.
-  static std::uint64_t children(std::size_t axis, int from, int to) {
-    constexpr std::uint64_t kOnes[3] = {0x5555'5555'5555'5555, 0x3333'3333'3333'3333,
-                                        0x0F0F'0F0F'0F0F'0F0F};
-    constexpr std::uint64_t kTwos[3] = {0x00FF'00FF'00FF'00FF, 0x0000'FFFF'0000'FFFF,
-                                        0x0000'0000'FFFF'FFFF};
-    std::uint64_t mask = 0;
-    for (int k = from; k <= to; ++k)
-      mask |= (k & 1 ? ~kOnes[axis] : kOnes[axis]) & (k & 2 ? ~kTwos[axis] : kTwos[axis]);
-    return mask;
-  }
+  /// A bound of the beam along s.
+  struct Line {
+    double first, slope;
+    [[nodiscard]] double at(double s) const { return first + slope * s; }
+  };
 
   /// Those that the beam can touch between two planes.
   [[nodiscard]] std::uint64_t touched(const Vec3d& lower, double size, double from,
@@ -120,13 +133,14 @@ class TreeBeam {
     std::uint64_t mask = ~std::uint64_t{0};
     for (std::size_t side = 0; side < 2; ++side) {
       const std::size_t axis = (main_ + 1 + side) % 3;
-      const double low = std::min(at(low_[side], from), at(low_[side], to)) - kMargin;
-      const double high = std::max(at(high_[side], from), at(high_[side], to)) + kMargin;
-      const double a = std::floor((low - lower[axis]) / size);
-      const double b = std::floor((high - lower[axis]) / size);
-      if (a > 3 || b < 0) return 0;
-      mask &=
-          children(axis, static_cast<int>(std::max(a, 0.0)), static_cast<int>(std::min(b, 3.0)));
+      const Line &l = low_[side], &h = high_[side];
+      const double low = std::min(l.at(from - first_), l.at(to - first_)) - lower[axis];
+      const double high = std::max(h.at(from - first_), h.at(to - first_)) - lower[axis];
+      if (!(low < 4 * size && high >= 0)) return 0;
+      const auto index = [&](double x) {
+        return static_cast<std::size_t>(std::min(std::max(x, 0.0) / size, 3.0));
+      };
+      mask &= kChildren[axis][index(low)][index(high)];
     }
     return mask;
   }
@@ -138,15 +152,15 @@ class TreeBeam {
     const VoxelTree::Node node =
         is_leaf ? VoxelTree::Node{tree_.leaves()[index], 0} : tree_.nodes(level)[index];
     const Vec3d corner(lower.x, lower.y, lower.z);
-    for (int slab = 0; slab < 4; ++slab) {
-      const int k = is_up_ ? slab : 3 - slab;
-      const double low = corner[main_] + k * static_cast<double>(size), high = low + size;
+    for (std::size_t slab = 0; slab < 4; ++slab) {
+      const std::size_t k = is_up_ ? slab : 3 - slab;
+      const double low = corner[main_] + static_cast<double>(k * size), high = low + size;
       const double depth = is_up_ ? low : -high;
       if (depth >= least) return least;
       const double from = std::max(low - kMargin, first_), to = std::min(high + kMargin, last_);
       if (from > to) continue;
       const std::uint64_t mask =
-          node.mask & children(main_, k, k) & touched(corner, size, from, to);
+          node.mask & kChildren[main_][k][k] & touched(corner, size, from, to);
       if (mask == 0) continue;
       if (size <= kFinest || is_leaf) return depth;
       for (std::uint64_t rest = mask; rest != 0; rest &= rest - 1)
