@@ -11,6 +11,7 @@
 #include "packed_scene.h"
 #include "relumbre/base/parallel.h"
 #include "relumbre/base/sampling.h"
+#include "relumbre/octree/cast_kernels.h"
 #include "relumbre/octree/traverse.h"
 #include "relumbre/octree/tree_cast.h"
 #include "relumbre/octree/voxel_tree_builder.h"
@@ -149,6 +150,15 @@ class Contest {
                                         hits_[i] = cast(tree_, GridRay(ray.origin, ray.direction));
                                       });
                                     }}};
+    for (const CastKernel& kernel : available_cast_kernels()) {
+      if (kernel.name != "AVX2" || kernel.name == best_cast_kernel().name) continue;
+      all.push_back({"ours, AVX2", [&, kernel] {
+                       parallel_chunks(0, hits_.size(), kGrain, [&](std::size_t a, std::size_t b) {
+                         kernel.cast(tree_, std::span(rays.voxels).subspan(a, b - a),
+                                     std::span(hits_).subspan(a, b - a));
+                       });
+                     }});
+    }
     if (nanovdb_) {
       all.push_back({"NanoVDB", [&] {
                        parallel_chunks(0, cells_.size(), kGrain, [&](std::size_t a, std::size_t b) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 
 #include "relumbre/octree/tree_beam.h"
 #include "relumbre/octree/tree_walk.h"
@@ -44,11 +45,11 @@ class Batch {
   static constexpr std::size_t kGroup = 64;
 
   void refill(RayLanes& lanes) {
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      if (!lanes.is_free(lane)) continue;
+    for (unsigned free = lanes.free(); free != 0; free &= free - 1) {
       while (next_ == group_size_ && first_ < rays_.size()) prepare_group();
       if (next_ == group_size_) return;
       const std::size_t i = index_[next_];
+      const auto lane = static_cast<std::size_t>(std::countr_zero(free));
       lanes.start(lane, rays_[i], hits_[i], group_[next_]);
       ++next_;
     }

@@ -56,7 +56,8 @@ class RayLanes {
     std::ranges::fill(stack_[static_cast<std::size_t>(top_ / 2)], addresses.first()[top_ / 2]);
   }
 
-  [[nodiscard]] bool is_free(std::size_t lane) const { return (active_ >> lane & 1U) == 0; }
+  /// Lanes without a ray, bit by bit.
+  [[nodiscard]] unsigned free() const { return ~active_ & ((1U << kLanes) - 1); }
   [[nodiscard]] bool any() const { return active_ != 0; }
 
   /// Puts a tame ray that pierces the cube into a lane that is free.

@@ -130,6 +130,7 @@ class TreeBeam {
   /// Those that the beam can touch between two planes.
   [[nodiscard]] std::uint64_t touched(const Vec3d& lower, double size, double from,
                                       double to) const {
+    const double per_size = 1 / size;
     std::uint64_t mask = ~std::uint64_t{0};
     for (std::size_t side = 0; side < 2; ++side) {
       const std::size_t axis = (main_ + 1 + side) % 3;
@@ -137,10 +138,8 @@ class TreeBeam {
       const double low = std::min(l.at(from - first_), l.at(to - first_)) - lower[axis];
       const double high = std::max(h.at(from - first_), h.at(to - first_)) - lower[axis];
       if (!(low < 4 * size && high >= 0)) return 0;
-      const auto index = [&](double x) {
-        return static_cast<std::size_t>(std::min(std::max(x, 0.0) / size, 3.0));
-      };
-      mask &= kChildren[axis][index(low)][index(high)];
+      const auto index = [&](double x) { return static_cast<std::size_t>(x * per_size); };
+      mask &= kChildren[axis][index(std::max(low, 0.0))][index(std::min(high, 3 * size))];
     }
     return mask;
   }
