@@ -43,6 +43,8 @@ struct RayInterval {
 
 class GridRay {
  public:
+  /// One that hits nothing.
+  GridRay() = default;
   GridRay(const Vec3d& origin, const Vec3d& direction) {
     if (!is_finite(origin) || !is_finite(direction)) return;
     for (std::size_t axis = 0; axis < 3; ++axis) set_axis(axis, origin[axis], direction[axis]);

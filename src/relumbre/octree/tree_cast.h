@@ -3,10 +3,11 @@
 /// Exact: for every ray the hit is that of grid_ray.h, bit for bit, as the slow traversals find it.
 /// Rays are in grid coordinates; Cube::to_voxels() has them.
 ///
-///   one ray      a walk with a stack of nodes, about 7 tests a level
-///   many rays    one ray a lane of the processor's vectors, on all threads
+///   one ray      a walk with a stack of nodes
+///   many rays    first as beams of 64 neighbours, where they go the same way, then one ray a lane
+///                of the processor's vectors, on all threads
 ///
-/// Both go from one empty block to the next, a block being a node's child or eight of them that
+/// Rays go from one empty block to the next, a block being a node's child or eight of them that
 /// are all empty.
 #pragma once
 

@@ -1,12 +1,16 @@
 #include "relumbre/octree/tree_cast.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "relumbre/base/error.h"
+#include "relumbre/base/sampling.h"
+#include "relumbre/octree/cast_kernels.h"
 #include "relumbre/octree/octree_testing.h"
 #include "relumbre/octree/test_voxels.h"
 #include "relumbre/octree/traversal_testing.h"
@@ -66,7 +70,7 @@ TreeHit slow_cast(const VoxelSet& voxels, const CastRay& ray) {
 }
 
 void expect_equal(const std::vector<TreeHit>& hits, const std::vector<TreeHit>& expected,
-                  const std::vector<CastRay>& rays, const char* what) {
+                  const std::vector<CastRay>& rays, const std::string& what) {
   std::size_t wrong = 0;
   for (std::size_t i = 0; i < hits.size(); ++i) {
     if (hits[i] == expected[i] || wrong++ > 0) continue;
@@ -85,6 +89,11 @@ std::size_t expect_exact(const VoxelSet& voxels, int depth, const std::vector<Ca
   for (const CastRay& ray : rays) expected.push_back(slow_cast(voxels, ray));
   expect_equal(cast_one_by_one(tree, rays), expected, rays, "one by one");
   expect_equal(cast_all(tree, rays), expected, rays, "batch");
+  for (const CastKernel& kernel : available_cast_kernels()) {
+    std::vector<TreeHit> hits(rays.size());
+    kernel.cast(tree, rays, hits);
+    expect_equal(hits, expected, rays, std::string(kernel.name));
+  }
   return static_cast<std::size_t>(
       std::ranges::count_if(expected, [](const TreeHit& hit) { return bool{hit}; }));
 }
@@ -164,6 +173,47 @@ TEST(TreeCast, AgreesWithTheTraversalsOfTheWords) {
       wrong += (expected ? TreeHit{*expected, hits[i].leaf, hits[i].bit} : TreeHit{}) != hits[i];
     }
     EXPECT_EQ(wrong, 0U) << depth;
+  }
+}
+
+/// Pencils of rays: groups of neighbours that a beam bounds.
+std::vector<CastRay> pencils(int depth, std::size_t groups) {
+  const double edge = std::ldexp(1.0, depth);
+  RandomStream random(groups);
+  const auto within = [&](double low, double high) {
+    return low + (high - low) * static_cast<double>(random.uniform());
+  };
+  const auto point = [&](double low, double high) {
+    return Vec3d(within(low, high), within(low, high), within(low, high));
+  };
+  std::vector<CastRay> rays;
+  for (std::size_t group = 0; group < groups; ++group) {
+    const Vec3d eye = group % 3 == 0 ? point(0, edge) : point(-edge, 2 * edge);
+    const Vec3d target = point(0, edge);
+    const double wide = group % 2 == 0 ? edge / 50 : 2, apart = group % 5 == 0 ? wide : 0;
+    for (int i = 0; i < 64; ++i) {
+      const Vec3d from = eye + point(-apart, apart);
+      Vec3d direction = target + point(-wide, wide) - from;
+      if (group % 7 == 0) direction = {0, direction.y, group % 2 == 0 ? 0 : direction.z};
+      rays.push_back({from, direction, i % 9 == 0 ? within(0, 2) : kInfinity});
+    }
+  }
+  return rays;
+}
+
+TEST(TreeCast, NeighboursThatGoTheSameWayAreExact) {
+  for (int depth = 3; depth <= 7; ++depth) {
+    const VoxelSet voxels = depth < 6 ? shell(depth) : random_voxels(depth, 2000, 7);
+    EXPECT_GE(expect_exact(voxels, depth, pencils(depth, 100)), 300U);
+  }
+  const VoxelSet voxels = shell(9);
+  const VoxelTree tree = tree_of(voxels, 9);
+  const std::vector<CastRay> rays = pencils(9, 1000);
+  const std::vector<TreeHit> expected = cast_one_by_one(tree, rays);
+  for (const CastKernel& kernel : available_cast_kernels()) {
+    std::vector<TreeHit> hits(rays.size());
+    kernel.cast(tree, rays, hits);
+    expect_equal(hits, expected, rays, std::string(kernel.name));
   }
 }
 
