@@ -10,6 +10,7 @@
 #include "relumbre/octree/voxel_export.h"
 #include "relumbre/octree/voxelize.h"
 #include "relumbre/render/colored_mesh.h"
+#include "relumbre/render/shading.h"
 
 namespace relumbre::cli {
 
@@ -42,6 +43,8 @@ Subject scene_subject(std::shared_ptr<const Scene> scene) {
   return subject;
 }
 
+constexpr std::size_t kSmoothingPasses = 2;
+
 /// A store's radiosity under the given lights, in W/m².
 Subject relit_subject(const StoreOptions& options, Session& session) {
   if (!options.emission.empty())
@@ -49,7 +52,14 @@ Subject relit_subject(const StoreOptions& options, Session& session) {
   const OpenedStore store(options, session);
   const RelitResult lit = store.relight(session);
   const Tessellation& tessellation = store.baked.tessellation;
-  ColoredMesh colored = colored_mesh(tessellation, conforming_mesh(tessellation), lit.radiosity);
+  const DisplayMesh display = conforming_mesh(tessellation);
+  // As pictures do, what has bounced is smoothed against its noise.
+  const ShadingInput light =
+      shading_input(tessellation, display, lit, store.baked.reflectance, kSmoothingPasses);
+  std::vector<Rgb> radiosity = lit.emission;
+  for (std::size_t i = 0; i < radiosity.size(); ++i)
+    radiosity[i] += store.baked.reflectance[i] * (light.direct[i] + light.indirect[i]);
+  ColoredMesh colored = colored_mesh(tessellation, display, radiosity);
   Subject subject;
   subject.mesh.positions = std::move(colored.positions);
   subject.mesh.triangles = std::move(colored.triangles);
