@@ -43,8 +43,8 @@ VoxelTree build(const Scene& scene, unsigned depth) {
 void add(Rays& rays, const VoxelTree& tree, const Ray& ray) {
   const double scale = std::ldexp(1.0, static_cast<int>(tree.depth())) / tree.cube().edge;
   rays.metres.push_back(ray);
-  rays.voxels.push_back(
-      {tree.cube().to_voxels(Vec3d(ray.origin), tree.depth()), Vec3d(ray.direction) * scale});
+  rays.voxels.push_back({.origin = tree.cube().to_voxels(Vec3d(ray.origin), tree.depth()),
+                         .direction = Vec3d(ray.direction) * scale});
 }
 
 Rays primary_rays(const Scene& scene, const VoxelTree& tree) {
@@ -80,7 +80,7 @@ CastRay diffuse_ray(const CastRay& ray, const VoxelHit& hit, RandomStream& rando
   Vec3d direction;
   direction[axis] = is_up ? -local.z : local.z;
   direction[(axis + 1) % 3] = local.x, direction[(axis + 2) % 3] = local.y;
-  return {origin, direction};
+  return {.origin = origin, .direction = direction};
 }
 
 Rays diffuse_rays(const VoxelTree& tree, const Rays& primary) {
@@ -104,9 +104,7 @@ Rays diffuse_rays(const VoxelTree& tree, const Rays& primary) {
 // --------------------------------------------------------------------------------- the contest
 
 Octree words_of(const VoxelTree& tree) {
-  std::vector<std::uint64_t> codes;
-  for_each_voxel(tree, [&](std::uint64_t code, std::uint64_t) { codes.push_back(code); });
-  return {codes, static_cast<int>(tree.depth())};
+  return {voxel_codes(tree), static_cast<int>(tree.depth())};
 }
 
 struct Contestant {
@@ -147,7 +145,7 @@ class Contest {
                                    {"ours, one by one", [&] {
                                       parallel_for(0, hits_.size(), kGrain, [&](std::size_t i) {
                                         const CastRay& ray = rays.voxels[i];
-                                        hits_[i] = cast(tree_, GridRay(ray.origin, ray.direction));
+                                        hits_[i] = cast(tree_, ray);
                                       });
                                     }}};
     for (const CastKernel& kernel : available_cast_kernels()) {
@@ -208,7 +206,7 @@ class Contest {
     for (std::size_t i = 0; i < hits_.size(); ++i) {
       const auto& expected = expected_[i];
       const CastRay& ray = rays.voxels[i];
-      const TreeHit single = cast(tree_, GridRay(ray.origin, ray.direction));
+      const TreeHit single = cast(tree_, ray);
       const auto differs = [&](const TreeHit& hit) {
         return bool{hit} != expected.has_value() || (expected && hit.voxel != *expected);
       };
@@ -255,7 +253,7 @@ void check_random(Report& report, const Scene& scene) {
     RandomStream random(i);
     const auto point = [&] { return Vec3d(random.uniform(), random.uniform(), random.uniform()); };
     const Vec3d from = point() * 256.0 - Vec3d(64), to = point() * 128.0;
-    rays[i] = {from, to - from};
+    rays[i] = {.origin = from, .direction = to - from};
   }
   std::vector<TreeHit> hits(rays.size());
   cast(tree, rays, hits);

@@ -4,8 +4,7 @@
 #include <optional>
 
 #include "cli/command.h"
-#include "cli/exposure.h"
-#include "relumbre/base/atomic_file.h"
+#include "cli/picture_options.h"
 #include "relumbre/base/error.h"
 #include "relumbre/dof/depth_of_field.h"
 #include "relumbre/dof/focus.h"
@@ -16,9 +15,8 @@ namespace relumbre::cli {
 namespace {
 
 struct Options {
-  std::string input, overlay, method = "spread", shape = "disc", exposure = "auto",
-                              curve = "filmic";
-  std::vector<std::string> outputs;
+  std::string input, overlay, method = "spread", shape = "disc";
+  PictureOptions picture;
   std::optional<double> focus_distance, vertical_fov;
   std::vector<std::size_t> focus_pixel;  // empty, or x and y
   DepthPictureConfig channels;
@@ -93,12 +91,8 @@ void report(const DepthPicture& picture, const DofConfig& config, double seconds
 
 /// Bad combinations, and files that cannot be written, are found before long work.
 void check(const Options& options) {
-  std::vector<std::string> files = options.outputs;
-  if (!options.overlay.empty()) files.push_back(options.overlay);
-  for (const std::string& file : files) {
-    if (!can_save_image(file)) throw FileError(file, "cannot be written: dof writes .exr and .png");
-    const AtomicFile writable(file);
-  }
+  check_pictures(options.picture, "dof");
+  if (!options.overlay.empty()) check_pictures({.outputs = {options.overlay}}, "dof");
   if (options.dof.spread.aperture.blades != 0 && options.shape != "disc") {
     throw CLI::ValidationError("--blades", "and --shape " + options.shape + " exclude each other");
   }
@@ -114,18 +108,14 @@ void check(const Options& options) {
 
 void save(const Options& options, const DepthPicture& picture, const std::vector<Rgba>& result,
           const DofConfig& config, const ToneConfig& tone, Session& session) {
-  const auto write = [&](const std::string& file, const Image& image) {
-    save_image(file, image, tone);
-    session.report.figure("output", "wrote", file);
-  };
-  const Image image = image_of(result, picture.width, picture.height);
-  for (const std::string& file : options.outputs) write(file, image);
-  if (!options.overlay.empty()) write(options.overlay, focus_overlay(picture, config.lens));
+  save_pictures(options.picture, image_of(result, picture.width, picture.height), tone, session);
+  if (options.overlay.empty()) return;
+  save_image(options.overlay, focus_overlay(picture, config.lens), tone);
+  session.report.figure("overlay", "wrote", options.overlay);
 }
 
 void run(const Options& options, Session& session) {
-  ToneConfig tone = parse_exposure(options.exposure);
-  tone.curve = options.curve == "filmic" ? ToneCurve::kFilmic : ToneCurve::kSrgb;
+  const ToneConfig tone = parse_tone(options.picture);
   check(options);
   const DepthPicture picture = load(options);
   const DofConfig config = dof_config(options, picture);
@@ -192,15 +182,9 @@ void define(CLI::App& command, Options& o) {
   define_input(command, o);
   define_lens(command, o);
   define_blur(command, o);
-  command.add_option("-o,--output", o.outputs, "Picture to write: .png or .exr (repeatable)")
-      ->allow_extra_args(false)
-      ->required();
+  add_picture_options(command, o.picture);
   command.add_option("--overlay", o.overlay,
                      "Also write what is in focus: red before it, blue behind it");
-  command.add_option("--exposure", o.exposure, "Of PNG: auto, or stops")->capture_default_str();
-  command.add_option("--curve", o.curve, "Of PNG: filmic or srgb")
-      ->check(CLI::IsMember({"filmic", "srgb"}))
-      ->capture_default_str();
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include "cli/octree_report.h"
 #include "cli/view_options.h"
 #include "relumbre/base/error.h"
+#include "relumbre/render/traversal_view.h"
 #include "relumbre/render/voxel_view.h"
 
 namespace relumbre::cli {
@@ -13,7 +14,7 @@ struct Options {
   std::string octree;
   ViewOptions picture;
   VoxelViewConfig view;
-  std::string shading = "auto", show = "picture", traversal = "full-stack";
+  std::string shading = "auto", show = "picture", traversal;
   int stack_nodes = 4;
 };
 
@@ -44,12 +45,20 @@ ToneConfig tone_of(const Options& options, const VoxelViewConfig& view) {
   return parse_tone(picture);
 }
 
+/// None: the fast one, which has no heat maps.
+std::optional<Traversal> traversal_of(const Options& options) {
+  std::string name = options.traversal;
+  if (name.empty()) name = options.show == "picture" ? "fast" : "full-stack";
+  if (name != "fast") return Traversal{kTraversals.at(name), options.stack_nodes};
+  if (options.show == "picture") return std::nullopt;
+  throw CLI::ValidationError("--traversal", "fast has no heat maps");
+}
+
 Image make_picture(const Options& options, const VoxelViewConfig& view, const VoxelTree& tree,
                    Session& session) {
   const Camera camera = camera_of(options.picture.camera, tree);
   if (options.show == "picture") return render_voxels(tree, camera, view, session.progress);
-  const Traversal traversal{kTraversals.at(options.traversal), options.stack_nodes};
-  return traversal_heat_map(tree, camera, view.width, view.height, traversal, options.show,
+  return traversal_heat_map(tree, camera, view.width, view.height, *view.traversal, options.show,
                             session.progress);
 }
 
@@ -67,6 +76,7 @@ void report_traversal(const Image& image, Session& session) {
 
 void run(Options options, Session& session) {
   parse_size(options.picture.size, options.view.width, options.view.height);
+  options.view.traversal = traversal_of(options);
   check_pictures(options.picture, "raycast");
   const RloFile file = read_rlo(options.octree);
   options.view.shading = shading_of(options.shading, file.tree);
@@ -99,15 +109,21 @@ void define(CLI::App& command, Options& o) {
   command.add_flag("--smooth", o.view.smooth,
                    "Interpolate colours and normals between neighbouring voxels");
   command
+      .add_option("--detail", o.view.detail,
+                  "Level of detail: show nodes of up to so many pixels by their means; 0: voxels "
+                  "alone")
+      ->check(CLI::Range(0.0, 1e3))
+      ->capture_default_str();
+  command
       .add_option("--show", o.show,
                   "picture, or a heat map of what a traversal does: visits, reads or level")
       ->check(CLI::IsMember({"picture", "visits", "reads", "level"}))
       ->capture_default_str();
   command
       .add_option("--traversal", o.traversal,
-                  "Of a heat map: restart, backtrack, full-stack or short-stack")
-      ->check(CLI::IsMember({"restart", "backtrack", "full-stack", "short-stack"}))
-      ->capture_default_str();
+                  "fast, restart, backtrack, full-stack or short-stack (default: fast; of heat "
+                  "maps full-stack)")
+      ->check(CLI::IsMember({"fast", "restart", "backtrack", "full-stack", "short-stack"}));
   command.add_option("--stack", o.stack_nodes, "Nodes that a short stack holds")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();

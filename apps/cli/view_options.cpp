@@ -1,31 +1,13 @@
 #include "cli/view_options.h"
 
-#include <cmath>
 #include <cstdio>
-
-#include "cli/exposure.h"
-#include "relumbre/base/error.h"
-#include "relumbre/image/image_io.h"
 
 namespace relumbre::cli {
 
 void add_view_options(CLI::App& command, ViewOptions& o, const std::string& camera) {
-  command.add_option("-o,--output", o.outputs, "Picture to write: .png or .exr (repeatable)")
-      ->allow_extra_args(false)
-      ->required();
+  add_picture_options(command, o);
   command.add_option("--camera", o.camera, camera)->capture_default_str();
   command.add_option("--size", o.size, "WIDTHxHEIGHT in pixels")->capture_default_str();
-  command.add_option("--exposure", o.exposure, "Of .png: auto, or stops")->capture_default_str();
-  command.add_option("--curve", o.curve, "Of .png: filmic or srgb")
-      ->check(CLI::IsMember({"filmic", "srgb"}))
-      ->capture_default_str();
-}
-
-void check_pictures(const ViewOptions& options, const std::string& command) {
-  for (const std::string& output : options.outputs) {
-    if (!can_save_image(output))
-      throw FileError(output, "cannot be written: " + command + " writes .exr and .png");
-  }
 }
 
 void parse_size(const std::string& text, std::size_t& width, std::size_t& height) {
@@ -34,23 +16,6 @@ void parse_size(const std::string& text, std::size_t& width, std::size_t& height
       static_cast<std::size_t>(read) != text.size()) {
     throw CLI::ValidationError("--size",
                                "must read WIDTHxHEIGHT, for example 1280x720, not " + text);
-  }
-}
-
-ToneConfig parse_tone(const ViewOptions& options) {
-  ToneConfig tone = parse_exposure(options.exposure);
-  tone.curve = options.curve == "filmic" ? ToneCurve::kFilmic : ToneCurve::kSrgb;
-  return tone;
-}
-
-void save_pictures(const ViewOptions& options, const Image& image, const ToneConfig& tone,
-                   Session& session) {
-  const float scale = exposure_scale(image, tone);
-  session.report.figure("exposure_scale", "exposure", scale,
-                        fmt::format("{:.2f} stops", std::log2(scale)));
-  for (const std::string& output : options.outputs) {
-    save_image(output, image, tone);
-    session.report.figure("output", "wrote", output);
   }
 }
 

@@ -72,11 +72,11 @@ class Batch {
     hits_[i] = {};
     if (!(cube.enter < end)) return;
     if (!is_tame(ray, edge_)) {
-      hits_[i] = TreeWalk(tree_, ray).first_hit(0, rays_[i].t_max);
+      hits_[i] = TreeWalk(tree_, rays_[i]).first_hit();
       return;
     }
     index_[group_size_] = i;
-    group_[group_size_++] = {ray, rays_[i].direction, cube.enter, end};
+    group_[group_size_++] = {ray, rays_[i].direction, cube.enter, end, rays_[i].spread};
   }
 
   void start_later(const TreeBeam& beam) {
@@ -108,8 +108,7 @@ void cast_rays(const VoxelTree& tree, std::span<const CastRay> rays, std::span<T
   if constexpr (kLanes >= 4) {
     Batch(tree, rays, hits).cast();
   } else {  // not faster than one by one
-    for (std::size_t i = 0; i < rays.size(); ++i)
-      hits[i] = relumbre::cast(tree, GridRay(rays[i].origin, rays[i].direction), rays[i].t_max);
+    for (std::size_t i = 0; i < rays.size(); ++i) hits[i] = relumbre::cast(tree, rays[i]);
   }
 }
 

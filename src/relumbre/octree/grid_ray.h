@@ -123,11 +123,12 @@ struct VoxelHit {
   friend bool operator==(const VoxelHit&, const VoxelHit&) = default;
 };
 
-/// The hit if this were the only voxel.
-inline std::optional<VoxelHit> intersect_voxel(const GridRay& ray, const Cell& cell) {
-  const RayInterval interval = ray.interval(cell, 1);
+/// The hit if this were the only voxel, or the only node of so many voxels an edge.
+inline std::optional<VoxelHit> intersect_voxel(const GridRay& ray, const Cell& cell,
+                                               std::uint32_t size = 1) {
+  const RayInterval interval = ray.interval(cell, size);
   if (!interval.is_pierced()) return std::nullopt;
-  return VoxelHit{cell, interval.enter, ray.entered_axis(cell, 1)};
+  return VoxelHit{cell, interval.enter, ray.entered_axis(cell, size)};
 }
 
 }  // namespace relumbre

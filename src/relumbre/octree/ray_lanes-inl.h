@@ -74,7 +74,7 @@ class RayLanes {
       cell_[axis][lane] = cell_at(ray, axis, o + slope * now, now, edge_);
       largest = std::max(largest, std::abs(o));
     }
-    now_[lane] = now, end_[lane] = part.end;
+    now_[lane] = now, end_[lane] = part.end, spread_[lane] = part.spread;
     certain_[lane] = 0.5 - 0x1p-48 * (largest + edge_);
     node_[lane] = addresses_.first()[top_ / 2];
     shift_[lane] = top_;
@@ -93,8 +93,9 @@ class RayLanes {
     const Integers mask = hn::GatherOffset(i, base(), node);
     const auto exists = hn::Ne(hn::And(hn::Shr(mask, child), one()), hn::Zero(i));
     const auto is_leaf = hn::Eq(shift, hn::Zero(i));
-    const Set full = active_ & set_of(exists), found = full & set_of(is_leaf);
-    const Set inner = full & ~found, empty = active_ & ~full;
+    const Set full = active_ & set_of(exists), empty = active_ & ~full;
+    const Set found = full & set_of(hn::Or(is_leaf, is_within_footprint(shift)));
+    const Set inner = full & ~found;
     if (found != 0) finish(found, child);
     if (inner != 0) descend(inner, node, shift, mask, child);
     if (empty != 0) step(empty, shift, mask, child, bits);
@@ -133,21 +134,36 @@ class RayLanes {
                   hn::Or(hn::ShiftLeft<1>(spread(bits[1])), hn::ShiftLeft<2>(spread(bits[2]))));
   }
 
-  /// Lanes that found a voxel.
+  /// Whether a child that is entered now is no larger than the ray's footprint.
+  [[nodiscard]] HWY_INLINE hn::Mask<I> is_within_footprint(Integers shift) const {
+    const D d;
+    const Doubles footprint = hn::Mul(hn::Load(d, spread_), hn::Load(d, now_));
+    return hn::RebindMask(I(), hn::Le(power_of_two(shift), footprint));
+  }
+
+  static HWY_INLINE Doubles power_of_two(Integers log) {
+    return hn::BitCast(D(), hn::ShiftLeft<52>(hn::Add(log, hn::Set(I(), 1023))));
+  }
+
+  /// Lanes that found a voxel, or a node within their footprint.
   HWY_INLINE void finish(Set found, Integers child) {
     alignas(64) std::int64_t bit[kLanes];
     hn::Store(child, I(), bit);
     active_ &= ~found;
     for (; found != 0; found &= found - 1) {
       const auto l = static_cast<std::size_t>(std::countr_zero(found));
-      const Cell at{static_cast<std::uint32_t>(cell_[0][l]),
-                    static_cast<std::uint32_t>(cell_[1][l]),
-                    static_cast<std::uint32_t>(cell_[2][l])};
+      const auto height = static_cast<unsigned>(shift_[l]) / 2;
+      const std::uint32_t size = std::uint32_t{1} << 2 * height;
+      const auto lower = [&](std::size_t axis) {
+        return static_cast<std::uint32_t>(cell_[axis][l]) & ~(size - 1);
+      };
+      const Cell at{lower(0), lower(1), lower(2)};
       const VoxelHit voxel =
           axis_[l] >= 0 ? VoxelHit{at, now_[l], static_cast<int>(axis_[l])}
-                        : *intersect_voxel(GridRay(ray_[l]->origin, ray_[l]->direction), at);
-      *hit_[l] = {voxel, static_cast<std::uint64_t>(node_[l]) / sizeof(std::uint64_t),
-                  static_cast<unsigned>(bit[l])};
+                        : *intersect_voxel(GridRay(ray_[l]->origin, ray_[l]->direction), at, size);
+      *hit_[l] = {voxel,
+                  {addresses_.index(node_[l], height), static_cast<unsigned>(bit[l]),
+                   tree_.levels() - 1 - height}};
     }
   }
 
@@ -156,7 +172,7 @@ class RayLanes {
     active_ &= ~doubtful;
     for (; doubtful != 0; doubtful &= doubtful - 1) {
       const auto l = static_cast<std::size_t>(std::countr_zero(doubtful));
-      *hit_[l] = cast(tree_, GridRay(ray_[l]->origin, ray_[l]->direction), ray_[l]->t_max);
+      *hit_[l] = cast(tree_, *ray_[l]);
     }
   }
 
@@ -191,7 +207,7 @@ class RayLanes {
     const Integers octant = hn::And(hn::Shr(mask, hn::And(child, hn::Set(i, 56))), hn::Set(i, 255));
     const Integers log = hn::Add(shift, hn::IfThenElseZero(hn::Eq(octant, hn::Zero(i)), one()));
     const Integers keep = hn::Shl(hn::Set(i, -1), log);
-    const Doubles size = hn::BitCast(d, hn::ShiftLeft<52>(hn::Add(log, hn::Set(i, 1023))));
+    const Doubles size = power_of_two(log);
     Doubles far[3], t[3];
     for (std::size_t a = 0; a < 3; ++a) {
       const Doubles lower = hn::Sub(hn::BitCast(d, hn::And(bits[a], keep)), magic());
@@ -254,6 +270,7 @@ class RayLanes {
   Set active_ = 0;
   alignas(64) double origin_[3][kLanes] = {}, inverse_[3][kLanes] = {}, slope_[3][kLanes] = {};
   alignas(64) double cell_[3][kLanes] = {}, now_[kLanes] = {}, end_[kLanes] = {};
+  alignas(64) double spread_[kLanes] = {};
   alignas(64) double certain_[kLanes] = {};
   alignas(64) std::int64_t node_[kLanes], shift_[kLanes], axis_[kLanes] = {};
   alignas(64) std::int64_t stack_[VoxelTree::kMaxLevels][kLanes] = {};

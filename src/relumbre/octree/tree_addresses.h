@@ -23,6 +23,11 @@ class TreeAddresses {
   [[nodiscard]] const std::uint8_t* base() const { return base_; }
   /// Of the first node at a height above the leaves, which is 0 theirs.
   [[nodiscard]] const std::int64_t* first() const { return first_.data(); }
+  /// In its level, of the node at an address.
+  [[nodiscard]] std::uint64_t index(std::int64_t address, unsigned height) const {
+    const auto bytes = static_cast<std::uint64_t>(address - first_[height]);
+    return bytes / (height == 0 ? sizeof(std::uint64_t) : sizeof(VoxelTree::Node));
+  }
 
  private:
   const std::uint8_t* base_;

@@ -28,6 +28,7 @@ struct CubeRay {
   GridRay ray;
   Vec3d direction;
   double now = 0, end = 0;
+  double spread = 0;  ///< see CastRay
 };
 
 namespace tree_beam_detail {
@@ -100,6 +101,22 @@ class TreeBeam {
     }
     if (!(last_ - first_ > kMargin)) is_beam_ = false;
     for (std::size_t side = 0; side < 2; ++side) bound(rays, side);
+    bound_footprint(rays);
+  }
+
+  /// The widest of the rays' footprints at every s is below its chord, like any greatest of lines.
+  void bound_footprint(std::span<const CubeRay> rays) {
+    double widest[2] = {0, 0};
+    for (const CubeRay& r : rays)
+      for (std::size_t end = 0; end < 2; ++end)
+        widest[end] = std::max(widest[end], r.spread * time(r.ray, end == 0 ? first_ : last_));
+    footprint_ = {widest[0], (widest[1] - widest[0]) / (last_ - first_)};
+  }
+
+  /// Whether some ray may take nodes of this size between two planes as they are.
+  [[nodiscard]] bool may_be_within_footprint(double size, double from, double to) const {
+    const double widest = std::max(footprint_.at(from - first_), footprint_.at(to - first_));
+    return !(size > widest * (1 + 1e-9));  // NaN: maybe
   }
 
   void bound(std::span<const CubeRay> rays, std::size_t side) {
@@ -161,7 +178,7 @@ class TreeBeam {
       const std::uint64_t mask =
           node.mask & kChildren[main_][k][k] & touched(corner, size, from, to);
       if (mask == 0) continue;
-      if (size <= kFinest || is_leaf) return depth;
+      if (size <= kFinest || is_leaf || may_be_within_footprint(size, from, to)) return depth;
       for (std::uint64_t rest = mask; rest != 0; rest &= rest - 1)
         least = first_in_child(level, node, lower, size,
                                static_cast<unsigned>(std::countr_zero(rest)), least);
@@ -181,6 +198,7 @@ class TreeBeam {
   bool is_up_ = false, is_beam_ = false;
   double first_ = 0, last_ = 0;
   std::array<Line, 2> low_{}, high_{};
+  Line footprint_{};
 };
 
 }  // namespace relumbre

@@ -10,9 +10,9 @@
 
 namespace relumbre {
 
-TreeHit cast(const VoxelTree& tree, const GridRay& ray, double t_max) {
+TreeHit cast(const VoxelTree& tree, const CastRay& ray) {
   if (tree.leaves().empty()) return {};
-  return TreeWalk(tree, ray).first_hit(0, t_max);
+  return TreeWalk(tree, ray).first_hit();
 }
 
 void cast(const VoxelTree& tree, std::span<const CastRay> rays, std::span<TreeHit> hits) {

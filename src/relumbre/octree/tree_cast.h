@@ -3,6 +3,10 @@
 /// Exact: for every ray the hit is that of grid_ray.h, bit for bit, as the slow traversals find it.
 /// Rays are in grid coordinates; Cube::to_voxels() has them.
 ///
+/// Level of detail: for a ray that widens, the root's descendants that are no larger than its
+/// footprint where it enters them count as voxels, whatever is in them. The hit is the first of
+/// those and of the voxels, as exactly.
+///
 ///   one ray      a walk with a stack of nodes
 ///   many rays    first as beams of 64 neighbours, where they go the same way, then one ray a lane
 ///                of the processor's vectors, on all threads
@@ -14,7 +18,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <optional>
 #include <span>
 
 #include "relumbre/octree/grid_ray.h"
@@ -22,26 +25,26 @@
 
 namespace relumbre {
 
-/// A ray of a batch. Voxels whose t is `t_max` or more are not hit.
+/// A ray of a batch.
 struct CastRay {
   Vec3d origin, direction;
-  double t_max = std::numeric_limits<double>::infinity();
+  double t_max =
+      std::numeric_limits<double>::infinity();  ///< what is entered from here on isn't hit
+  double spread = 0;  ///< its footprint is spread · t voxels wide; 0: voxels alone are hit
 };
 
-/// The voxel and where the tree has it: VoxelTree::voxel_index(leaf, bit) finds its value.
+/// What was hit, and where the tree has it: a voxel, or a node for a ray that widens.
 struct TreeHit {
   static constexpr std::uint64_t kNone = std::numeric_limits<std::uint64_t>::max();
 
-  VoxelHit voxel;
-  std::uint64_t leaf = kNone;
-  unsigned bit = 0;  ///< among the leaf's
-  explicit operator bool() const { return leaf != kNone; }
+  VoxelHit voxel;  ///< the cell of a node is its lower corner
+  VoxelTree::Child child{kNone, 0, 0};
+  explicit operator bool() const { return child.parent != kNone; }
   friend bool operator==(const TreeHit&, const TreeHit&) = default;
 };
 
 /// One ray. A default tree, without any node, is never hit.
-TreeHit cast(const VoxelTree& tree, const GridRay& ray,
-             double t_max = std::numeric_limits<double>::infinity());
+TreeHit cast(const VoxelTree& tree, const CastRay& ray);
 
 /// hits[i] = cast(tree, rays[i]), on all threads. Fastest where neighbours in the array go much the
 /// same way. Throws ShapeError if the sizes differ.

@@ -43,29 +43,26 @@ std::vector<TreeHit> cast_all(const VoxelTree& tree, const std::vector<CastRay>&
 
 std::vector<TreeHit> cast_one_by_one(const VoxelTree& tree, const std::vector<CastRay>& rays) {
   std::vector<TreeHit> hits;
-  for (const CastRay& ray : rays)
-    hits.push_back(cast(tree, GridRay(ray.origin, ray.direction), ray.t_max));
+  for (const CastRay& ray : rays) hits.push_back(cast(tree, ray));
   return hits;
 }
 
-/// A walk of all voxels, by the definition of a hit alone.
-TreeHit slow_cast(const VoxelSet& voxels, const CastRay& ray) {
+/// A walk of all voxels and of all nodes, by the definition of a hit alone.
+TreeHit slow_cast(const VoxelTree& tree, const VoxelSet& voxels, const CastRay& ray) {
   const GridRay grid_ray(ray.origin, ray.direction);
   TreeHit nearest;
-  for (const std::uint64_t code : voxels) {
-    const auto hit = intersect_voxel(grid_ray, morton_decode(code));
-    if (hit && hit->t < ray.t_max && (!nearest || hit->t < nearest.voxel.t)) nearest = {*hit, 0, 0};
+  for (unsigned level = 0; level < tree.levels(); ++level) {  // the largest first
+    const std::uint32_t edge = tree.child_edge(level);
+    if (edge > 1 && !(ray.spread > 0)) continue;
+    for (const std::uint64_t code : voxels) {
+      Cell lower = morton_decode(code);
+      lower = {lower.x / edge * edge, lower.y / edge * edge, lower.z / edge * edge};
+      const auto hit = intersect_voxel(grid_ray, lower, edge);
+      if (!hit || !(hit->t < ray.t_max) || (edge > 1 && !(edge <= ray.spread * hit->t))) continue;
+      if (!nearest || hit->t < nearest.voxel.t)
+        nearest = {*hit, *tree.find(morton_decode(code), level)};
+    }
   }
-  if (!nearest) return nearest;
-  // The leaves are in the order of their codes.
-  const std::uint64_t code = morton_encode(nearest.voxel.cell);
-  std::uint64_t leaf = 0, last = voxels[0] >> 6;
-  for (const std::uint64_t c : voxels) {
-    if (c > code) break;
-    leaf += (c >> 6) != last;
-    last = c >> 6;
-  }
-  nearest.leaf = leaf, nearest.bit = static_cast<unsigned>(code & 63);
   return nearest;
 }
 
@@ -86,7 +83,7 @@ std::size_t expect_exact(const VoxelSet& voxels, int depth, const std::vector<Ca
   SCOPED_TRACE(testing::Message() << voxels.size() << " voxels, depth " << depth);
   const VoxelTree tree = tree_of(voxels, depth);
   std::vector<TreeHit> expected;
-  for (const CastRay& ray : rays) expected.push_back(slow_cast(voxels, ray));
+  for (const CastRay& ray : rays) expected.push_back(slow_cast(tree, voxels, ray));
   expect_equal(cast_one_by_one(tree, rays), expected, rays, "one by one");
   expect_equal(cast_all(tree, rays), expected, rays, "batch");
   for (const CastKernel& kernel : available_cast_kernels()) {
@@ -170,7 +167,7 @@ TEST(TreeCast, AgreesWithTheTraversalsOfTheWords) {
     std::size_t wrong = 0;
     for (std::size_t i = 0; i < rays.size(); ++i) {
       const auto expected = trace(octree, GridRay(rays[i].origin, rays[i].direction), {});
-      wrong += (expected ? TreeHit{*expected, hits[i].leaf, hits[i].bit} : TreeHit{}) != hits[i];
+      wrong += (expected ? TreeHit{*expected, hits[i].child} : TreeHit{}) != hits[i];
     }
     EXPECT_EQ(wrong, 0U) << depth;
   }
@@ -223,8 +220,53 @@ TEST(TreeCast, VoxelsFromTMaxOnAreNotHit) {
   rays[1].t_max = NAN, rays[2].t_max = -1;
   EXPECT_GE(expect_exact(shell(4), 4, rays), 200U);
   const VoxelTree tree = tree_of({0}, 0);
-  EXPECT_TRUE(cast(tree, GridRay({-3, 0.5, 0.5}, {1, 0, 0}), std::nextafter(3.0, 4)));
-  EXPECT_FALSE(cast(tree, GridRay({-3, 0.5, 0.5}, {1, 0, 0}), 3));
+  EXPECT_TRUE(cast(tree, {{-3, 0.5, 0.5}, {1, 0, 0}, std::nextafter(3.0, 4)}));
+  EXPECT_FALSE(cast(tree, {{-3, 0.5, 0.5}, {1, 0, 0}, 3}));
+}
+
+/// Footprints from a fraction of a voxel to the whole cube.
+void widen(std::vector<CastRay>& rays, double edge) {
+  RandomStream random(rays.size());
+  for (CastRay& ray : rays) {
+    const double distance = length(ray.origin - Vec3d(edge / 2)) / length(ray.direction);
+    ray.spread = std::exp2(static_cast<double>(random.uniform()) * 12 - 4) / distance;
+  }
+  rays[0].spread = kInfinity, rays[1].spread = NAN, rays[2].spread = -1;
+}
+
+TEST(TreeCast, NodesWithinTheFootprintAreHitAsTheyAre) {
+  for (int depth = 2; depth <= 9; ++depth) {
+    std::vector<CastRay> rays = cast_rays(test_rays(depth, 4'000));
+    widen(rays, std::ldexp(1.0, depth));
+    EXPECT_GE(expect_exact(random_voxels(depth, 100, 9), depth, rays), 200U);
+    if (depth <= 5) expect_exact(shell(depth), depth, rays);
+    const VoxelTree tree = tree_of(random_voxels(depth, 100, 9), depth);
+    const auto is_node = [&](const TreeHit& h) { return h && h.child.level + 1 < tree.levels(); };
+    EXPECT_GE(std::ranges::count_if(cast_all(tree, rays), is_node), depth > 2 ? 100 : 0);
+  }
+}
+
+TEST(TreeCast, NeighboursHitNodesWithinTheirFootprint) {
+  for (int depth = 4; depth <= 9; ++depth) {
+    std::vector<CastRay> rays = pencils(depth, 100);
+    widen(rays, std::ldexp(1.0, depth));
+    expect_exact(random_voxels(depth, 100, 9), depth, rays);
+    for (std::size_t i = 0; i < rays.size(); ++i)  // one footprint a pencil
+      rays[i].spread = rays[i - i % 64].spread;
+    EXPECT_GE(expect_exact(random_voxels(depth, 100, 9), depth, rays), 300U);
+  }
+}
+
+TEST(TreeCast, TheMeanOfANodeIsFound) {
+  const VoxelSet voxels = random_voxels(6, 3000, 4);
+  const VoxelTree tree = tree_of(voxels, 6);
+  const TreeHit hit = cast(tree, {{-100, 30.5, 30.5}, {1, 0, 0}, kInfinity, 16.0 / 100});
+  ASSERT_TRUE(hit);
+  EXPECT_EQ(hit.child.level, 0U);
+  EXPECT_EQ(hit.voxel.cell, (Cell{0, 16, 16}));
+  EXPECT_EQ(hit.child.bit, 6U);  // y and z of the root's octant, x of neither
+  const std::uint64_t below = VoxelTree::rank(tree.nodes(0)[0].mask, 6);
+  EXPECT_EQ(&tree.value(hit.child), &tree.node_values(1)[below]);
 }
 
 TEST(TreeCast, TellsWhereTheTreeHasTheVoxel) {
@@ -233,8 +275,7 @@ TEST(TreeCast, TellsWhereTheTreeHasTheVoxel) {
   std::size_t hits = 0;
   for (const TreeHit& hit : cast_all(tree, cast_rays(test_rays(6, 2000)))) {
     if (!hit) continue;
-    const VoxelValue& value = tree.values()[tree.voxel_index(hit.leaf, hit.bit)];
-    EXPECT_EQ(value, test::value_of(morton_encode(hit.voxel.cell)));
+    EXPECT_EQ(tree.value(hit.child), test::value_of(morton_encode(hit.voxel.cell)));
     ++hits;
   }
   EXPECT_GE(hits, 100U);
@@ -261,7 +302,7 @@ TEST(TreeCast, OfNoTreeOrOfARayThatIsNotFiniteFindsNothing) {
                                      {{1e300, 1, 1}, {-1, 0, 0}, kInfinity}};
   for (const TreeHit& hit : cast_all(full, rays)) EXPECT_FALSE(hit);
   for (const TreeHit& hit : cast_one_by_one(full, rays)) EXPECT_FALSE(hit);
-  EXPECT_FALSE(cast(VoxelTree(), GridRay({0.5, 0.5, 0.5}, {1, 1, 1})));
+  EXPECT_FALSE(cast(VoxelTree(), {{0.5, 0.5, 0.5}, {1, 1, 1}}));
   EXPECT_FALSE(cast_all(VoxelTree(), {{{0.5, 0.5, 0.5}, {1, 1, 1}, kInfinity}})[0]);
 }
 

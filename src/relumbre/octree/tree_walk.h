@@ -2,7 +2,7 @@
 ///
 ///   now = where the ray enters the cube; node = root
 ///   forever
-///     the child that the ray is in at `now`:   voxel?   the hit
+///     the child that the ray is in at `now`:   voxel, or a node within the footprint?   the hit
 ///                                              node?    push it
 ///                                              empty?   now = exit of the largest empty block
 ///     pop the nodes that end by `now`
@@ -21,13 +21,13 @@ namespace relumbre {
 
 class TreeWalk {
  public:
-  TreeWalk(const VoxelTree& tree, const GridRay& ray) : tree_(tree), ray_(ray) {}
+  TreeWalk(const VoxelTree& tree, const CastRay& ray)
+      : tree_(tree), ray_(ray.origin, ray.direction), t_max_(ray.t_max), spread_(ray.spread) {}
 
-  /// The first voxel with from <= exit and enter < t_max; nothing may be pierced before `from`.
-  TreeHit first_hit(double from, double t_max) {
+  TreeHit first_hit() {
     const RayInterval cube = ray_.interval({}, std::uint32_t{1} << tree_.depth());
-    const double end = std::min(t_max, cube.exit);  // NaN, if t_max is
-    double now = std::max(cube.enter, from);
+    const double end = std::min(t_max_, cube.exit);  // NaN, if t_max is
+    double now = cube.enter;
     push(0, {}, end);
     while (now < end) {
       const Node& node = stack_[level_];
@@ -35,12 +35,13 @@ class TreeWalk {
       if (!(node.mask >> child.bit & 1)) {
         now = exit_of_empty(node, child);
         while (level_ > 0 && stack_[level_].exit <= now) --level_;
-      } else if (level_ + 1 == tree_.levels()) {
-        return {*intersect_voxel(ray_, child.lower), node.index, child.bit};
+      } else if (is_hit(now)) {
+        return {*intersect_voxel(ray_, child.lower, tree_.child_edge(level_)),
+                {node.index, child.bit, level_}};
       } else {
         const std::uint64_t index = node.first + VoxelTree::rank(node.mask, child.bit);
         ++level_;
-        push(index, child.lower, ray_.exit(child.lower, child_size(level_ - 1)));
+        push(index, child.lower, ray_.exit(child.lower, tree_.child_edge(level_ - 1)));
       }
     }
     return {};
@@ -57,8 +58,9 @@ class TreeWalk {
     unsigned bit;
   };
 
-  [[nodiscard]] std::uint32_t child_size(unsigned level) const {
-    return std::uint32_t{1} << 2 * (tree_.levels() - 1 - level);
+  /// Of a child that the ray enters now.
+  [[nodiscard]] bool is_hit(double now) const {
+    return level_ + 1 == tree_.levels() || tree_.child_edge(level_) <= spread_ * now;
   }
 
   void push(std::uint64_t index, const Cell& lower, double exit) {
@@ -70,7 +72,7 @@ class TreeWalk {
 
   /// Two octants, one within the other.
   [[nodiscard]] Child child_at(const Node& node, double now) const {
-    const std::uint32_t size = child_size(level_);
+    const std::uint32_t size = tree_.child_edge(level_);
     const Cell& l = node.lower;
     const unsigned octant = ray_.octant_at({l.x + 2 * size, l.y + 2 * size, l.z + 2 * size}, now);
     const Cell half = upper(l, octant, 2 * size);
@@ -85,14 +87,15 @@ class TreeWalk {
 
   /// Of the child, or of the eight around it if all are empty.
   [[nodiscard]] double exit_of_empty(const Node& node, const Child& child) const {
-    const std::uint32_t size = child_size(level_);
+    const std::uint32_t size = tree_.child_edge(level_);
     if ((node.mask >> (child.bit & 56U) & 0xFF) != 0) return ray_.exit(child.lower, size);
     const std::uint32_t keep = ~(2 * size - 1);
     return ray_.exit({child.lower.x & keep, child.lower.y & keep, child.lower.z & keep}, 2 * size);
   }
 
   const VoxelTree& tree_;
-  const GridRay& ray_;
+  GridRay ray_;
+  double t_max_, spread_;
   unsigned level_ = 0;
   std::array<Node, VoxelTree::kMaxLevels> stack_;
 };

@@ -68,19 +68,33 @@ std::uint64_t VoxelTree::geometry_bytes() const {
   return bytes;
 }
 
-std::optional<std::uint64_t> VoxelTree::find(const Cell& cell) const {
+std::optional<VoxelTree::Child> VoxelTree::find(const Cell& cell, unsigned level) const {
   if (std::max({cell.x, cell.y, cell.z}) >> depth() != 0) return std::nullopt;
   const std::uint64_t code = morton_encode(cell);
   std::uint64_t node = 0;
-  for (unsigned level = 0; level + 1 < levels(); ++level) {
-    const auto bit = static_cast<unsigned>(code >> 6 * (levels() - 1 - level) & 63);
-    const Node& at = nodes(level)[node];
-    if (!(at.mask >> bit & 1)) return std::nullopt;
-    node = at.first + rank(at.mask, bit);
+  for (unsigned at = 0;; ++at) {
+    const auto bit = static_cast<unsigned>(code >> 6 * (levels() - 1 - at) & 63);
+    const bool is_leaf = at + 1 == levels();
+    const std::uint64_t mask = is_leaf ? leaves()[node] : nodes(at)[node].mask;
+    if (!(mask >> bit & 1)) return std::nullopt;
+    if (at == level) return Child{node, bit, level};
+    node = nodes(at)[node].first + rank(mask, bit);
   }
-  const auto bit = static_cast<unsigned>(code & 63);
-  if (!(leaves()[node] >> bit & 1)) return std::nullopt;
-  return voxel_index(node, bit);
+}
+
+const VoxelValue& VoxelTree::value(const Child& child) const {
+  if (child.level + 1 == levels()) {
+    return values()[parts_.first_voxel[child.parent] + rank(leaves()[child.parent], child.bit)];
+  }
+  const Node& parent = nodes(child.level)[child.parent];
+  return node_values(child.level + 1)[parent.first + rank(parent.mask, child.bit)];
+}
+
+std::vector<std::uint64_t> voxel_codes(const VoxelTree& tree) {
+  std::vector<std::uint64_t> codes;
+  codes.reserve(tree.voxels());
+  for_each_voxel(tree, [&](std::uint64_t code, std::uint64_t) { codes.push_back(code); });
+  return codes;
 }
 
 void check_tree(const VoxelTree& tree) {

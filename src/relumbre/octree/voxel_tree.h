@@ -21,6 +21,7 @@
 #include <optional>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include "relumbre/octree/cube.h"
 #include "relumbre/octree/morton.h"
@@ -39,6 +40,13 @@ class VoxelTree {
   struct Node {
     std::uint64_t mask = 0;
     std::uint64_t first = 0;  ///< of the children, in the next level
+  };
+  /// A node below the root or a voxel: that of the bit of a node's mask.
+  struct Child {
+    std::uint64_t parent = 0;  ///< its index in its level
+    unsigned bit = 0;
+    unsigned level = 0;  ///< the parent's; if it is that of the leaves, this is a voxel
+    friend bool operator==(const Child&, const Child&) = default;
   };
   /// What a tree is made of; spans may be of anything that `owner` keeps.
   struct Parts {
@@ -79,13 +87,20 @@ class VoxelTree {
   [[nodiscard]] std::uint64_t voxels() const;
   /// Of the masks and indices, without values.
   [[nodiscard]] std::uint64_t geometry_bytes() const;
-  /// Its index among the leaf's bits, for values().
-  [[nodiscard]] std::uint64_t voxel_index(std::uint64_t leaf, unsigned bit) const {
-    return parts_.first_voxel[leaf] + rank(parts_.leaves[leaf], bit);
+  /// Voxels an edge of the children of a level's nodes; 1 of those of leaves.
+  [[nodiscard]] std::uint32_t child_edge(unsigned level) const {
+    return std::uint32_t{1} << 2 * (levels() - 1 - level);
   }
 
-  /// The index of a cell's value; none for a cell without a voxel, or outside the grid.
-  [[nodiscard]] std::optional<std::uint64_t> find(const Cell& cell) const;
+  /// The voxel of a cell, or the child of some level's node that the cell is in; none if there is
+  /// none, or outside the grid.
+  [[nodiscard]] std::optional<Child> find(const Cell& cell) const {
+    return find(cell, levels() - 1);
+  }
+  [[nodiscard]] std::optional<Child> find(const Cell& cell, unsigned level) const;
+
+  /// What it looks like, or the mean of what is below it. Only of a tree with values.
+  [[nodiscard]] const VoxelValue& value(const Child& child) const;
 
   /// How many bits of the mask are set below `bit`.
   static std::uint64_t rank(std::uint64_t mask, unsigned bit) {
@@ -96,6 +111,9 @@ class VoxelTree {
  private:
   Parts parts_;
 };
+
+/// The voxels' Morton codes, ascending: what an Octree is built from.
+std::vector<std::uint64_t> voxel_codes(const VoxelTree& tree);
 
 /// Throws ShapeError where a tree's parts do not belong together: counts, indices, empty masks,
 /// voxels outside the grid. Reads all of the tree but its values.

@@ -25,7 +25,9 @@ TEST(VoxelTree, HoldsTheVoxelsItWasBuiltFrom) {
       ASSERT_EQ(index, i);
       ASSERT_EQ(code, codes[i]);
       ASSERT_EQ(tree.values()[index], test::value_of(code));
-      ASSERT_EQ(tree.find(morton_decode(code)), index);
+      const auto child = tree.find(morton_decode(code));
+      ASSERT_TRUE(child);
+      ASSERT_EQ(&tree.value(*child), &tree.values()[index]);
       ++i;
     });
     EXPECT_EQ(i, codes.size());
@@ -37,6 +39,11 @@ TEST(VoxelTree, FindsNothingWhereNothingIs) {
   const VoxelTree tree = build_tree({}, 4, Separating::k26, blocks_of(codes, true));
   for (std::uint64_t code = 0; code < 1 << 12; ++code)
     EXPECT_EQ(tree.find(morton_decode(code)).has_value(), std::ranges::binary_search(codes, code));
+  for (std::uint64_t code = 0; code < 1 << 12; ++code) {
+    const auto in_same_leaf = [&](std::uint64_t c) { return c >> 6 == code >> 6; };
+    EXPECT_EQ(tree.find(morton_decode(code), 0).has_value(),
+              std::ranges::any_of(codes, in_same_leaf));
+  }
   EXPECT_FALSE(tree.find({16, 0, 0}));
   EXPECT_FALSE(tree.find({0, 0xFFFFFFFF, 0}));
 }

@@ -126,7 +126,7 @@ Image render_lens_view(const LitScene& lit_scene, const Camera& camera,
 
 std::vector<float> pinhole_depth(const Scene& scene, const RayScene& rays, const Camera& camera,
                                  std::size_t width, std::size_t height) {
-  check_view({.width = width, .height = height}, kMaxSamples);
+  check_picture_size(width, height);
   const CameraRays through(camera, width, height);
   std::vector<float> depth(width * height);
   parallel_for(0, height, 4, [&](std::size_t y) {

@@ -14,19 +14,23 @@ namespace {
 constexpr std::size_t kMaxPixels = std::size_t{1} << 28;
 constexpr std::uint32_t kMaxLightSamples = 1U << 14;
 
+}  // namespace
+
+void check_picture_size(std::size_t width, std::size_t height) {
+  const bool too_many = width != 0 && height > kMaxPixels / width;
+  if (width == 0 || height == 0 || too_many) {
+    throw ValueError(fmt::format("view: an image of {} by {} pixels; 1 to 2^28 in all are possible",
+                                 width, height));
+  }
+}
+
 void check_samples(std::uint32_t samples, std::uint32_t most) {
   if (samples != 0 && samples <= most) return;
   throw ValueError(fmt::format("view: {} samples; 1 to {} are possible", samples, most));
 }
 
-}  // namespace
-
 void check_view(const ViewConfig& config, std::uint32_t max_samples) {
-  const bool too_many = config.width != 0 && config.height > kMaxPixels / config.width;
-  if (config.width == 0 || config.height == 0 || too_many) {
-    throw ValueError(fmt::format("view: an image of {} by {} pixels; 1 to 2^28 in all are possible",
-                                 config.width, config.height));
-  }
+  check_picture_size(config.width, config.height);
   check_samples(config.samples, max_samples);
   check_samples(config.light_samples, kMaxLightSamples);
 }

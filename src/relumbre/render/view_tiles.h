@@ -45,7 +45,9 @@ void for_each_tile(std::size_t width, std::size_t height, std::size_t side, std:
 void set_pixel(Image& image, std::size_t pixel, const std::array<const char*, 3>& channels,
                const Vec3f& value);
 
-/// Throws ValueError for a size or samples out of range: see render_view.
+/// Throw ValueError for what is out of range: see render_view.
+void check_picture_size(std::size_t width, std::size_t height);
+void check_samples(std::uint32_t samples, std::uint32_t most);
 void check_view(const ViewConfig& config, std::uint32_t max_samples);
 
 /// Adds Z, N.X N.Y N.Z and albedo.R .G .B of the surfaces on the rays through the centres of a

@@ -12,6 +12,7 @@
 #include "relumbre/octree/tree_cast.h"
 #include "relumbre/octree/voxel_tree_builder.h"
 #include "relumbre/octree/voxelize.h"
+#include "relumbre/render/traversal_view.h"
 
 namespace relumbre {
 namespace {
@@ -107,6 +108,45 @@ TEST(VoxelView, DoesNotDependOnTheNumberOfThreads) {
   const Image alone = render_voxels(wall(5), front(), config);
   for (const auto& channel : all.channels())
     EXPECT_TRUE(std::ranges::equal(channel.values, alone.channel(channel.name))) << channel.name;
+}
+
+TEST(VoxelView, EveryTraversalMakesTheSamePicture) {
+  const VoxelTree tree = wall(6);
+  VoxelViewConfig config = small_view(VoxelShading::kLit);
+  const Image expected = render_voxels(tree, front(), config);
+  using enum Traversal::Kind;
+  for (const Traversal::Kind kind : {kRestart, kBacktrack, kFullStack, kShortStack}) {
+    config.traversal = {kind, 2};
+    const Image image = render_voxels(tree, front(), config);
+    for (const auto& channel : expected.channels())
+      EXPECT_TRUE(std::ranges::equal(channel.values, image.channel(channel.name))) << channel.name;
+  }
+  config.detail = 1;
+  EXPECT_THROW((void)render_voxels(tree, front(), config), ValueError);
+}
+
+TEST(VoxelView, LevelOfDetailShowsMeansWithinAFewPixels) {
+  const VoxelTree tree = wall(9);
+  VoxelViewConfig config = small_view(VoxelShading::kColor);
+  config.samples = 64;
+  const Image exact = render_voxels(tree, front(), config);
+  for (const bool smooth : {false, true}) {
+    config.detail = 1, config.samples = 4, config.smooth = smooth;
+    const Image image = render_voxels(tree, front(), config);
+    double difference = 0;
+    for (std::size_t i = 0; i < image.pixels(); ++i)
+      difference += static_cast<double>(std::abs(image.rgb(i).x - exact.rgb(i).x));
+    EXPECT_LT(difference / static_cast<double>(image.pixels()), 0.02);
+    EXPECT_NE(image.rgb(24 * 64 + 31), exact.rgb(24 * 64 + 31));
+    // The wall is a thin diagonal sheet: nodes of up to a pixel (0.03 m wide) stand out before it.
+    const auto z = image.channel("Z");
+    for (const std::size_t x : {27UL, 31UL, 36UL})
+      EXPECT_NEAR(z[24 * 64 + x], exact.channel("Z")[24 * 64 + x], 0.1F);
+  }
+  for (const double detail : {-1.0, std::numeric_limits<double>::quiet_NaN()}) {
+    config.detail = detail;
+    EXPECT_THROW((void)render_voxels(tree, front(), config), ValueError);
+  }
 }
 
 TEST(VoxelView, HeatMapsCountWhatTheTraversalDoes) {

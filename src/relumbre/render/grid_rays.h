@@ -1,0 +1,37 @@
+/// Primary rays of a camera through a tree's grid.
+#pragma once
+
+#include <cmath>
+
+#include "relumbre/octree/tree_cast.h"
+#include "relumbre/render/camera_rays.h"
+
+namespace relumbre {
+
+/// From metres to voxels. A hit's t is the planar depth in metres, as CameraRays' is.
+class GridRays {
+ public:
+  /// With nodes of up to `detail` pixels hit as they are: see CastRay. Throws as CameraRays.
+  GridRays(const VoxelTree& tree, const Camera& camera, std::size_t width, std::size_t height,
+           double detail = 0)
+      : cube_(tree.cube()),
+        depth_(tree.depth()),
+        rays_(camera, width, height),
+        voxels_per_metre_(std::ldexp(1.0, static_cast<int>(depth_)) / cube_.edge),
+        spread_(detail / rays_.pixels_per_tangent() * voxels_per_metre_) {}
+
+  [[nodiscard]] CastRay through(float x, float y) const {
+    const Ray ray = rays_.through(x, y);
+    return {.origin = cube_.to_voxels(Vec3d(ray.origin), depth_),
+            .direction = Vec3d(ray.direction) * voxels_per_metre_,
+            .spread = spread_};
+  }
+
+ private:
+  Cube cube_;
+  unsigned depth_;
+  CameraRays rays_;
+  double voxels_per_metre_, spread_;
+};
+
+}  // namespace relumbre
