@@ -29,22 +29,35 @@ void fill(Packet& query, std::span<const Ray> rays) {
   }
 }
 
-template <bool coherent>
-void by_eight(RTCScene scene, std::span<const Ray> rays) {
-  alignas(32) std::array<int, 8> valid;
+template <int kRays>
+struct Packet;
+template <>
+struct Packet<8> {
+  using Query = RTCRayHit8;
+  static constexpr auto intersect = rtcIntersect8;
+};
+template <>
+struct Packet<16> {
+  using Query = RTCRayHit16;
+  static constexpr auto intersect = rtcIntersect16;
+};
+
+template <int kRays, bool coherent>
+void by_packets(RTCScene scene, std::span<const Ray> rays) {
+  alignas(64) std::array<int, kRays> valid;
   valid.fill(-1);
-  RTCRayHit8 query;
-  for (std::size_t i = 0; i < rays.size(); i += 8) {
-    fill(query, rays.subspan(i, 8));
+  typename Packet<kRays>::Query query;
+  for (std::size_t i = 0; i < rays.size(); i += kRays) {
+    fill(query, rays.subspan(i, kRays));
 #if RTC_VERSION_MAJOR >= 4
     RTCIntersectArguments arguments;
     rtcInitIntersectArguments(&arguments);
     arguments.flags = coherent ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT;
-    rtcIntersect8(valid.data(), scene, &query, &arguments);
+    Packet<kRays>::intersect(valid.data(), scene, &query, &arguments);
 #else
     RTCIntersectContext context = embree::context(coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT
                                                            : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
-    rtcIntersect8(valid.data(), scene, &context, &query);
+    Packet<kRays>::intersect(valid.data(), scene, &context, &query);
 #endif
   }
 }
@@ -70,35 +83,16 @@ void one_by_one(RTCScene scene, std::span<const Ray> rays) {
   }
 }
 
-void by_sixteen(RTCScene scene, std::span<const Ray> rays) {
-  alignas(64) std::array<int, 16> valid;
-  valid.fill(-1);
-  RTCRayHit16 query;
-  for (std::size_t i = 0; i < rays.size(); i += 16) {
-    fill(query, rays.subspan(i, 16));
-    embree::intersect_sixteen(valid.data(), scene, query);
-  }
-}
+void by_sixteen(RTCScene scene, std::span<const Ray> rays) { by_packets<16, true>(scene, rays); }
 
 void by_sixteen_incoherent(RTCScene scene, std::span<const Ray> rays) {
-  alignas(64) std::array<int, 16> valid;
-  valid.fill(-1);
-  RTCRayHit16 query;
-  for (std::size_t i = 0; i < rays.size(); i += 16) {
-    fill(query, rays.subspan(i, 16));
-#if RTC_VERSION_MAJOR >= 4
-    rtcIntersect16(valid.data(), scene, &query, nullptr);
-#else
-    RTCIntersectContext context = embree::context(RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
-    rtcIntersect16(valid.data(), scene, &context, &query);
-#endif
-  }
+  by_packets<16, false>(scene, rays);
 }
 
 std::vector<NamedLoop> loops() {
   return {
-    {"rtcIntersect1", one_by_one}, {"rtcIntersect8, incoherent", by_eight<false>},
-        {"rtcIntersect8, coherent", by_eight<true>},
+    {"rtcIntersect1", one_by_one}, {"rtcIntersect8, incoherent", by_packets<8, false>},
+        {"rtcIntersect8, coherent", by_packets<8, true>},
 #if RTC_VERSION_MAJOR < 4
         {"rtcIntersect1M, coherent", by_stream},
 #endif

@@ -38,8 +38,6 @@ NanoVdbPeer::~NanoVdbPeer() = default;
 
 bool NanoVdbPeer::is_there() { return true; }
 
-std::size_t NanoVdbPeer::bytes() const { return impl_->handle.size(); }
-
 void NanoVdbPeer::cast(std::span<const CastRay> rays, std::span<Cell> cells) const {
   auto accessor = impl_->handle.grid<nanovdb::Fp4>()->tree().getAccessor();
   for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -63,7 +61,6 @@ struct NanoVdbPeer::Impl {};
 NanoVdbPeer::NanoVdbPeer(const VoxelTree&) {}
 NanoVdbPeer::~NanoVdbPeer() = default;
 bool NanoVdbPeer::is_there() { return false; }
-std::size_t NanoVdbPeer::bytes() const { return 0; }
 void NanoVdbPeer::cast(std::span<const CastRay>, std::span<Cell>) const {}
 
 }  // namespace relumbre::bench

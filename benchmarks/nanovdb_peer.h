@@ -19,7 +19,6 @@ class NanoVdbPeer {
   /// nanovdb::firstActive() of each ray: the hits' cells, or kMiss. One thread.
   void cast(std::span<const CastRay> rays, std::span<Cell> cells) const;
   static constexpr Cell kMiss{~0U, ~0U, ~0U};
-  [[nodiscard]] std::size_t bytes() const;
 
  private:
   struct Impl;

@@ -14,11 +14,8 @@ namespace {
 constexpr std::size_t kWidth = 97, kHeight = 83, kFirst = 10, kLast = 70;
 constexpr double kLargest = 90;
 
-const std::vector<Aperture> kPolygons{{.blades = 6},
-                                      {.blades = 8},
-                                      {.blades = 8, .rotation_deg = 22.5},
-
-                                      {.blades = 4}};
+const std::vector<Aperture> kPolygons{
+    {.blades = 6}, {.blades = 8}, {.blades = 8, .rotation_deg = 22.5}, {.blades = 4}};
 
 /// What the stripe's sums are after `fragments`.
 template <class Sums>
@@ -81,6 +78,53 @@ TEST(SkewedSums, ABoxIsTheBoxByRows) {
   for (std::size_t i = 0; i < fast.size(); ++i)
     for (int lane = 0; lane < 4; ++lane)
       ASSERT_NEAR(fast[i].lane[lane], slow[i].lane[lane], 1e-5) << i % kWidth << "," << i / kWidth;
+}
+
+/// A sum that counts how often something is added to any.
+struct CountedSum : OpaqueSum {
+  static inline std::size_t additions = 0;
+
+  using OpaqueSum::OpaqueSum;
+  void add(const CountedSum& other, double scale) {
+    ++additions;
+    OpaqueSum::add(other, scale);
+  }
+  void add(const CountedSum& other) {
+    ++additions;
+    OpaqueSum::add(other);
+  }
+};
+
+/// What one more fragment beside an equal one adds to the additions of spreading and of sweeping.
+template <class Sums>
+std::size_t additions_a_fragment(Sums& sums, float diameter) {
+  const Fragment fragment{.x = 48, .y = 40, .coc = diameter, .color = {1, 1, 1, 1}};
+  const auto additions = [&](int fragments) {
+    CountedSum::additions = 0;
+    sums.clear(static_cast<float>(kLargest));
+    for (int i = 0; i < fragments; ++i) sums.spread(fragment);
+    sums.integrate([](auto&&...) {});
+    return CountedSum::additions;
+  };
+  return additions(2) - additions(1);
+}
+
+/// Expects the same for every size of blur.
+template <bool kUpright>
+void expect_constant_work(const Twins<kUpright>& twins) {
+  SkewedSums<CountedSum, kUpright> fast(twins.outline, kWidth, kHeight, kFirst, kLast);
+  const std::size_t small = additions_a_fragment(fast, 8);
+  EXPECT_GT(small, 0U);
+  for (const float diameter : {11.3F, 16.0F, 23.7F, 32.0F, 48.0F})
+    EXPECT_LE(additions_a_fragment(fast, diameter), small) << diameter;
+  SpreadSums<CountedSum> by_rows(twins.kernels, kWidth, kHeight, kFirst, kLast);
+  EXPECT_GT(additions_a_fragment(by_rows, 48), 3 * additions_a_fragment(by_rows, 8));
+}
+
+TEST(SkewedSums, TheWorkOfAFragmentDoesNotGrowWithItsBlur) {
+  expect_constant_work(Twins<true>{.shape = BlurShape::kBox, .aperture = {}});
+  for (const Aperture& aperture : kPolygons)
+    expect_constant_work(Twins<false>{.shape = BlurShape::kAperture, .aperture = aperture});
 }
 
 /// How far inside the polygon of this diameter a point is, pixels.

@@ -55,6 +55,9 @@ struct Header {
   }
 };
 static_assert(sizeof(Header) == 280, "no padding: it is the file's layout");
+static_assert(offsetof(Header, nodes) == 64 && offsetof(Header, section) == 144 &&
+                  offsetof(Header, file_bytes) == 264 && offsetof(Header, hash) == 272,
+              "docs/rlo.md");
 static_assert(sizeof(VoxelTree::Node) == 16 && sizeof(VoxelValue) == 8);
 
 std::uint64_t hash_of(std::span<const std::byte> bytes) {
