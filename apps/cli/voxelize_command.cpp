@@ -9,8 +9,7 @@
 #include "relumbre/octree/rlo_file.h"
 #include "relumbre/octree/voxel_export.h"
 #include "relumbre/octree/voxelize.h"
-#include "relumbre/render/colored_mesh.h"
-#include "relumbre/render/shading.h"
+#include "relumbre/render/lit_surface.h"
 
 namespace relumbre::cli {
 
@@ -43,31 +42,33 @@ Subject scene_subject(std::shared_ptr<const Scene> scene) {
   return subject;
 }
 
-constexpr std::size_t kSmoothingPasses = 2;
+/// A store's surface under the given lights, and what it refers to.
+struct LitStore {
+  LitStore(const StoreOptions& options, Session& session)
+      : store(options, session),
+        lit(store.relight(session)),
+        display(conforming_mesh(store.baked.tessellation)),
+        surface({store.baked.scene, store.baked.tessellation, display, store.rays,
+                 store.baked.reflectance, store.lights, lit},
+                LitSurface::Direct::kInterpolated, ViewConfig{}.smoothing_passes) {
+    store.baked.counts = {};  // has answered
+  }
 
-/// A store's radiosity under the given lights, in W/m².
+  OpenedStore store;
+  RelitResult lit;
+  DisplayMesh display;
+  LitSurface surface;
+};
+
+/// Its radiosity, in W/m².
 Subject relit_subject(const StoreOptions& options, Session& session) {
   if (!options.emission.empty())
     throw ValueError("--emission: voxelize takes a store's light from --lights");
-  const OpenedStore store(options, session);
-  const RelitResult lit = store.relight(session);
-  const Tessellation& tessellation = store.baked.tessellation;
-  const DisplayMesh display = conforming_mesh(tessellation);
-  // As pictures do, what has bounced is smoothed against its noise.
-  const ShadingInput light =
-      shading_input(tessellation, display, lit, store.baked.reflectance, kSmoothingPasses);
-  std::vector<Rgb> radiosity = lit.emission;
-  for (std::size_t i = 0; i < radiosity.size(); ++i)
-    radiosity[i] += store.baked.reflectance[i] * (light.direct[i] + light.indirect[i]);
-  ColoredMesh colored = colored_mesh(tessellation, display, radiosity);
-  Subject subject;
-  subject.mesh.positions = std::move(colored.positions);
-  subject.mesh.triangles = std::move(colored.triangles);
-  subject.surface = [triangles = subject.mesh.triangles, positions = subject.mesh.positions,
-                     colors = std::move(colored.colors)](std::uint32_t t, float u, float v) {
-    const auto& [a, b, c] = triangles[t];
-    return SurfaceSample{colors[a] * (1 - u - v) + colors[b] * u + colors[c] * v,
-                         cross(positions[b] - positions[a], positions[c] - positions[a])};
+  const auto lit = std::make_shared<const LitStore>(options, session);
+  Subject subject{lit->store.baked.scene.mesh, {}};
+  subject.surface = [lit](std::uint32_t t, float u, float v) {
+    return SurfaceSample{lit->surface.mean_at(t, u, v),
+                         lit->store.baked.scene.mesh.scaled_normal(t)};
   };
   return subject;
 }

@@ -8,27 +8,14 @@
 
 namespace relumbre {
 
-namespace {
-
-/// The part of the irradiance that is not measured at each pixel.
-std::vector<Rgb> interpolated(const LitScene& in, const ViewConfig& config) {
-  ShadingInput shading =
-      shading_input(in.tessellation, in.display, in.lit, in.reflectance, config.smoothing_passes);
-  if (config.mode == ViewMode::kDirectPerPixel) return std::move(shading.indirect);
-  for (std::size_t i = 0; i < shading.indirect.size(); ++i) {
-    shading.indirect[i] += shading.direct[i];
-  }
-  return std::move(shading.indirect);
-}
-
-}  // namespace
-
 ViewShader::ViewShader(const LitScene& in, const ViewConfig& config)
     : scene_(in.scene),
       rays_(in.rays),
       background_(config.background),
-      powers_(object_powers(in.scene, in.lights)),
-      field_(in.tessellation, in.display, interpolated(in, config)) {
+      surface_(in,
+               config.mode == ViewMode::kDirectPerPixel ? LitSurface::Direct::kGiven
+                                                        : LitSurface::Direct::kInterpolated,
+               config.smoothing_passes) {
   if (config.mode == ViewMode::kDirectPerPixel) {
     direct_.emplace(in.scene, in.rays, in.lights, config.samples, config.light_samples,
                     config.seed);
@@ -44,7 +31,8 @@ void ViewShader::shade(std::span<const Hit> hits, std::span<const SampleId> ids,
   std::fill(color.begin(), color.end(), Rgb{});
   if (direct_) gather_direct(hits, ids, color);
   for (std::size_t i = 0; i < hits.size(); ++i) {
-    color[i] = hits[i] ? radiosity(hits[i], color[i]) : Rgb{};
+    const Hit& hit = hits[i];
+    color[i] = hit ? surface_.at(hit.triangle, hit.back, hit.u, hit.v, color[i]) : Rgb{};
   }
 }
 
@@ -61,13 +49,6 @@ void ViewShader::gather_direct(std::span<const Hit> hits, std::span<const Sample
     samples[i].lit = true;
   }
   direct_->gather(samples, direct);
-}
-
-Rgb ViewShader::radiosity(const Hit& hit, const Rgb& direct) const {
-  const Rgb irradiance = field_.at(hit.triangle, hit.back, hit.u, hit.v) + direct;
-  const Rgb emission =
-      scene_.material_of(hit.triangle).emission * powers_[scene_.mesh.object[hit.triangle]];
-  return emission + scene_.reflectance(hit.triangle, hit.u, hit.v) * irradiance;
 }
 
 Rgb ViewShader::background(const Vec3f& direction) const {

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "relumbre/render/lit_surface.h"
 #include "relumbre/render/pixel_light.h"
-#include "relumbre/render/shading.h"
 #include "relumbre/render/sky_light.h"
 #include "relumbre/render/view.h"
 
@@ -39,13 +39,11 @@ class ViewShader {
   };
   void gather_direct(std::span<const Hit> hits, std::span<const SampleId> ids,
                      std::span<Rgb> direct) const;
-  [[nodiscard]] Rgb radiosity(const Hit& hit, const Rgb& direct) const;
 
   const Scene& scene_;
   const RayScene& rays_;
   Rgb background_;
-  std::vector<Rgb> powers_;
-  DisplayField field_;
+  LitSurface surface_;
   std::optional<PixelLight> direct_;
   std::vector<Sky> skies_;
 };
