@@ -37,7 +37,9 @@ struct Subject {
 Subject scene_subject(std::shared_ptr<const Scene> scene) {
   Subject subject{scene->mesh, {}};
   subject.surface = [scene](std::uint32_t t, float u, float v) {
-    return SurfaceSample{scene->reflectance(t, u, v), scene->mesh.scaled_normal(t)};
+    SurfaceSample sample{scene->reflectance(t, u, v), scene->mesh.scaled_normal(t)};
+    if (scene->mesh.two_sided[t] != 0) sample.back = sample.color;
+    return sample;
   };
   return subject;
 }
@@ -67,8 +69,10 @@ Subject relit_subject(const StoreOptions& options, Session& session) {
   const auto lit = std::make_shared<const LitStore>(options, session);
   Subject subject{lit->store.baked.scene.mesh, {}};
   subject.surface = [lit](std::uint32_t t, float u, float v) {
-    return SurfaceSample{lit->surface.mean_at(t, u, v),
-                         lit->store.baked.scene.mesh.scaled_normal(t)};
+    const TriangleMesh& mesh = lit->store.baked.scene.mesh;
+    SurfaceSample sample{lit->surface.at(t, false, u, v), mesh.scaled_normal(t)};
+    if (mesh.two_sided[t] != 0) sample.back = lit->surface.at(t, true, u, v);
+    return sample;
   };
   return subject;
 }

@@ -80,17 +80,14 @@ VoxelBlocks BrickFiller::collect(std::uint64_t code) {
 }
 
 std::vector<VoxelValue> BrickFiller::values(const GridPoint& lower, std::size_t voxels) {
-  sums_.assign(voxels, {});
-  for (const Hit& hit : hits_) add_to_sum(lower, hit);
+  means_.assign(voxels, {});
+  for (const Hit& hit : hits_) add_to_mean(lower, hit);
   std::vector<VoxelValue> values(voxels);
-  for (std::size_t i = 0; i < voxels; ++i) {
-    const Sum& sum = sums_[i];
-    values[i] = {pack_color(sum.color / sum.weight), pack_normal(sum.normal)};
-  }
+  for (std::size_t i = 0; i < voxels; ++i) values[i] = means_[i].value();
   return values;
 }
 
-void BrickFiller::add_to_sum(const GridPoint& lower, const Hit& hit) {
+void BrickFiller::add_to_mean(const GridPoint& lower, const Hit& hit) {
   std::array<Vec3d, 3> corners;
   for (std::size_t i = 0; i < 3; ++i)
     corners[i] = cube_.to_voxels(Vec3d(mesh_.corner(hit.triangle, i)), config_.depth);
@@ -101,11 +98,9 @@ void BrickFiller::add_to_sum(const GridPoint& lower, const Hit& hit) {
 
   const std::uint64_t mask = masks_[hit.voxel / 64];
   const std::uint64_t before = mask & ((std::uint64_t{1} << hit.voxel % 64) - 1);
-  Sum& sum = sums_[first_[hit.voxel / 64] + static_cast<std::size_t>(std::popcount(before))];
-  const float weight = static_cast<float>(part.area) + kTouching;
-  sum.color += surface.color * weight;
-  sum.normal += normalized(surface.normal) * weight;
-  sum.weight += weight;
+  const std::size_t rank = first_[hit.voxel / 64] + static_cast<std::size_t>(std::popcount(before));
+  means_[rank].add(surface.color, surface.back, normalized(surface.normal),
+                   static_cast<float>(part.area) + kTouching);
 }
 
 void BrickFiller::clear(const VoxelBlocks& blocks) {

@@ -25,17 +25,12 @@ class BrickFiller {
     std::uint32_t voxel;  // its Morton code in the brick
     std::uint32_t triangle;
   };
-  struct Sum {
-    Rgb color;
-    Vec3f normal;
-    float weight = 0;
-  };
   static constexpr std::size_t kBlocks = std::size_t{1} << (3 * (kDepth - VoxelBlocks::kDepth));
 
   void cover(const GridPoint& lower, std::uint32_t triangle);
   VoxelBlocks collect(std::uint64_t code);
   std::vector<VoxelValue> values(const GridPoint& lower, std::size_t voxels);
-  void add_to_sum(const GridPoint& lower, const Hit& hit);
+  void add_to_mean(const GridPoint& lower, const Hit& hit);
   void clear(const VoxelBlocks& blocks);
 
   const TriangleMesh& mesh_;
@@ -44,7 +39,7 @@ class BrickFiller {
   std::vector<std::uint64_t> masks_;  // of all blocks
   std::vector<std::uint32_t> first_;  // rank of each block's first voxel
   std::vector<Hit> hits_;
-  std::vector<Sum> sums_;
+  std::vector<VoxelMean> means_;
 };
 
 /// A triangle of the mesh on the cube's grid.

@@ -22,7 +22,7 @@ namespace relumbre {
 namespace {
 
 constexpr std::array<char, 8> kMagic{'R', 'L', 'O', '\r', '\n', '\x1A', '\n', '\0'};
-constexpr std::uint32_t kVersion = 1, kByteOrder = 0x01020304;
+constexpr std::uint32_t kVersion = 2, kByteOrder = 0x01020304;
 constexpr std::uint64_t kAlignment = 4096;  // of sections: a page
 
 enum Section : std::size_t { kNodes, kLeaves, kFirstVoxel, kValues, kNodeValues, kSections };
@@ -58,7 +58,7 @@ static_assert(sizeof(Header) == 280, "no padding: it is the file's layout");
 static_assert(offsetof(Header, nodes) == 64 && offsetof(Header, section) == 144 &&
                   offsetof(Header, file_bytes) == 264 && offsetof(Header, hash) == 272,
               "docs/rlo.md");
-static_assert(sizeof(VoxelTree::Node) == 16 && sizeof(VoxelValue) == 8);
+static_assert(sizeof(VoxelTree::Node) == 16 && sizeof(VoxelValue) == 12);
 
 std::uint64_t hash_of(std::span<const std::byte> bytes) {
   ContentHash digest;

@@ -96,10 +96,12 @@ TEST_F(Rlo, TruncatedAndForeignFilesAreRefused) {
   expect_refused("is not a Relumbre octree");
   write_file(file_, good + "x");
   expect_refused("is truncated or altered");
-  std::string later = good;
-  later[8] = 2;
-  write_file(file_, later);
-  expect_refused("version 2");
+  for (const char version : {'\1', '\3'}) {
+    std::string other = good;
+    other[8] = version;
+    write_file(file_, other);
+    expect_refused("version " + std::to_string(version));
+  }
   EXPECT_THROW((void)read_rlo(folder_ / "none.rlo"), FileError);
   EXPECT_THROW((void)read_rlo(folder_.path()), FileError);
 }

@@ -25,7 +25,7 @@ inline std::vector<std::uint64_t> random_codes(unsigned depth, std::size_t count
 /// A value of its own for each code.
 inline VoxelValue value_of(std::uint64_t code) {
   const auto c = static_cast<float>(code % 97) / 97;
-  return {pack_color({c, 1 - c, 0.5F}), pack_normal({c, 0.3F, 1})};
+  return {pack_color({c, 1 - c, 0.5F}), pack_color({1 - c, 0.25F, c}), pack_normal({c, 0.3F, 1})};
 }
 
 inline VoxelBlocks blocks_of(const std::vector<std::uint64_t>& codes, bool with_values) {

@@ -34,15 +34,6 @@ std::vector<std::uint64_t> first_children(std::size_t size, const MaskOf& mask) 
 
 }  // namespace
 
-void VoxelTreeBuilder::Sum::add(const Sum& s) {
-  color += s.color;
-  normal += s.normal;
-  voxels += s.voxels;
-}
-VoxelValue VoxelTreeBuilder::Sum::mean() const {
-  return {pack_color(color / voxels), pack_normal(normal)};
-}
-
 VoxelTreeBuilder::VoxelTreeBuilder(const Cube& cube, unsigned depth, Separating separating,
                                    ValueSink values)
     : cube_(cube),
@@ -60,10 +51,11 @@ void VoxelTreeBuilder::add(const VoxelBlocks& blocks) {
     throw ValueError("some voxels have values and others do not");
   const VoxelValue* value = blocks.value.data();
   for (std::size_t i = 0; i < blocks.code.size(); ++i) {
-    Sum sum;
+    VoxelMean mean;
     for (int left = has_values_ ? std::popcount(blocks.mask[i]) : 0; left > 0; --left, ++value)
-      sum.add({unpack_color(value->color), unpack_normal(value->normal), 1});
-    add_leaf(blocks.code[i], blocks.mask[i], sum);
+      mean.add(unpack_color(value->color), unpack_color(value->back), unpack_normal(value->normal),
+               1);
+    add_leaf(blocks.code[i], blocks.mask[i], mean);
   }
   if (sink_)
     sink_(blocks.value);
@@ -71,7 +63,7 @@ void VoxelTreeBuilder::add(const VoxelBlocks& blocks) {
     values_.insert(values_.end(), blocks.value.begin(), blocks.value.end());
 }
 
-void VoxelTreeBuilder::add_leaf(std::uint64_t code, std::uint64_t mask, const Sum& sum) {
+void VoxelTreeBuilder::add_leaf(std::uint64_t code, std::uint64_t mask, const VoxelMean& mean) {
   const unsigned levels = depth_ > VoxelBlocks::kDepth ? depth_ - VoxelBlocks::kDepth : 0;
   const std::uint64_t end = std::uint64_t{1} << 3 * levels;
   if (mask == 0 || code < next_code_ || code >= end)
@@ -79,27 +71,27 @@ void VoxelTreeBuilder::add_leaf(std::uint64_t code, std::uint64_t mask, const Su
                      " of voxels is empty, out of order or outside the grid");
   next_code_ = code + 1;
   leaves_.push_back(mask);
-  if (has_values_) leaf_values_.push_back(sum.mean());
-  if (!inner_.empty()) add_child(inner_.size() - 1, code, sum);
+  if (has_values_) leaf_values_.push_back(mean.value());
+  if (!inner_.empty()) add_child(inner_.size() - 1, code, mean);
 }
 
 /// Opens the child's parent, if it is another than the last one, and adds the child to it.
-void VoxelTreeBuilder::add_child(std::size_t level, std::uint64_t code, const Sum& sum) {
+void VoxelTreeBuilder::add_child(std::size_t level, std::uint64_t code, const VoxelMean& mean) {
   Level& at = inner_[level];
   if (at.mask != 0 && at.code != code >> 6) close(level);
   at.code = code >> 6;
   at.mask |= std::uint64_t{1} << (code & 63);
-  at.sum.add(sum);
+  at.mean.add(mean);
 }
 
 /// The node is complete, and so a child of the level above.
 void VoxelTreeBuilder::close(std::size_t level) {
   Level& at = inner_[level];
   at.nodes.push_back({at.mask, 0});
-  if (has_values_) at.values.push_back(at.sum.mean());
-  if (level > 0) add_child(level - 1, at.code, at.sum);
+  if (has_values_) at.values.push_back(at.mean.value());
+  if (level > 0) add_child(level - 1, at.code, at.mean);
   at.mask = 0;
-  at.sum = {};
+  at.mean = {};
 }
 
 VoxelTree VoxelTreeBuilder::finish() {

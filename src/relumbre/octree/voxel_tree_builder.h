@@ -29,23 +29,15 @@ class VoxelTreeBuilder {
   VoxelTree finish();
 
  private:
-  /// Of all voxels under a node.
-  struct Sum {
-    Rgb color;
-    Vec3f normal;
-    float voxels = 0;
-    void add(const Sum& s);
-    [[nodiscard]] VoxelValue mean() const;
-  };
   /// A level's node that is still open, and all that are closed.
   struct Level {
     std::uint64_t code = 0, mask = 0;
-    Sum sum;
+    VoxelMean mean;  ///< of all voxels under it
     std::vector<VoxelTree::Node> nodes;
     std::vector<VoxelValue> values;
   };
-  void add_leaf(std::uint64_t code, std::uint64_t mask, const Sum& sum);
-  void add_child(std::size_t level, std::uint64_t code, const Sum& sum);
+  void add_leaf(std::uint64_t code, std::uint64_t mask, const VoxelMean& mean);
+  void add_child(std::size_t level, std::uint64_t code, const VoxelMean& mean);
   void close(std::size_t level);
 
   Cube cube_;

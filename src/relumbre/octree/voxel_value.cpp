@@ -28,6 +28,34 @@ void fold(float& x, float& y) {
 
 }  // namespace
 
+void VoxelMean::Side::add(const Side& s) {
+  color += s.color;
+  weight += s.weight;
+}
+
+void VoxelMean::add(const Rgb& color, const std::optional<Rgb>& back, const Vec3f& normal,
+                    float weight) {
+  VoxelMean one;
+  one.side_[0] = {color * weight, weight};
+  if (back) one.side_[1] = {*back * weight, weight};
+  one.normal_ = normal * weight;
+  add(one);
+}
+
+void VoxelMean::add(const VoxelMean& other) {
+  const bool turned = dot(other.normal_, normal_) < 0;
+  for (std::size_t s = 0; s < 2; ++s) side_[s].add(other.side_[turned ? 1 - s : s]);
+  normal_ += turned ? -other.normal_ : other.normal_;
+}
+
+VoxelValue VoxelMean::value() const {
+  const auto seen = [&](std::size_t s) {
+    const Side& side = side_[s].weight > 0 ? side_[s] : side_[1 - s];
+    return pack_color(side.color / side.weight);
+  };
+  return {seen(0), seen(1), pack_normal(normal_)};
+}
+
 std::uint32_t pack_color(const Rgb& color) {
   const Rgb c(in_range(color.x), in_range(color.y), in_range(color.z));
   const float most = max_component(c);

@@ -1,24 +1,49 @@
-/// What a voxel looks like, in eight bytes.
+/// What a voxel looks like from either side, in twelve bytes.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <optional>
 
 #include "relumbre/base/vec3.h"
 
 namespace relumbre {
 
-/// Colour with a shared exponent and a direction on the octahedron:
+/// Colours with a shared exponent and a direction on the octahedron:
 ///
 ///   color   | exponent 5 | blue 9 | green 9 | red 9 |    c = mantissa · 2^(exponent - 24)
+///   back    likewise
 ///   normal  | v 16 | u 16 |                              folded unit octahedron, 0xFFFFFFFF: none
 ///
-/// Colours are linear, within 1/512 of the largest component; the largest is 65,408.
-/// Sources: the EXT_texture_shared_exponent specification; Cigolle et al. 2014, "A Survey of
-/// Efficient Representations for Independent Unit Vectors".
+/// `color` is what is seen from where the normal points to, `back` what is seen from the other
+/// side: the inside of a lampshade is a hundred times as bright as its outside. Colours are linear,
+/// within 1/512 of the largest component; the largest is 65,408. Sources: the
+/// EXT_texture_shared_exponent specification; Cigolle et al. 2014, "A Survey of Efficient
+/// Representations for Independent Unit Vectors".
 struct VoxelValue {
-  std::uint32_t color = 0;
+  std::uint32_t color = 0, back = 0;
   std::uint32_t normal = 0xFFFFFFFF;
   friend bool operator==(const VoxelValue&, const VoxelValue&) = default;
+};
+
+/// The mean of surfaces or of voxels, each side for itself. Directions that differ by more than a
+/// right angle are of opposite sides, so that the two faces of a thin board do not cancel out.
+class VoxelMean {
+ public:
+  /// Seen from where `normal` points to and, if there is anything to be seen, from behind.
+  void add(const Rgb& color, const std::optional<Rgb>& back, const Vec3f& normal, float weight);
+  void add(const VoxelMean& other);
+  /// A side that nothing is known of looks like the other.
+  [[nodiscard]] VoxelValue value() const;
+
+ private:
+  struct Side {
+    Rgb color;  ///< times weight
+    float weight = 0;
+    void add(const Side& s);
+  };
+  std::array<Side, 2> side_;
+  Vec3f normal_;
 };
 
 /// Negative components and NaN become 0, what is too bright the brightest.

@@ -1,7 +1,9 @@
 #include "relumbre/octree/voxel_value.h"
 
+#include <array>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -48,6 +50,38 @@ TEST(VoxelValue, NormalsAreWithinATenThousandth) {
       EXPECT_LT(length(unpack_normal(pack_normal(n)) - n), 1e-4F);
     }
   }
+}
+
+VoxelValue mean_of(const std::vector<std::array<Vec3f, 2>>& colors_and_normals) {
+  VoxelMean mean;
+  for (const auto& [color, normal] : colors_and_normals) mean.add(color, std::nullopt, normal, 1);
+  return mean.value();
+}
+
+TEST(VoxelMean, TheFacesOfAThinBoardKeepTheirColours) {
+  const Rgb red(1, 0, 0), blue(0, 0, 1);
+  const Vec3f up(0, 0, 1), down(0, 0, -1);
+  const VoxelValue board = mean_of({{red, up}, {blue, down}, {blue, down}});
+  EXPECT_EQ(unpack_color(board.color), red);
+  EXPECT_EQ(unpack_color(board.back), blue);
+  EXPECT_EQ(unpack_normal(board.normal), up);
+}
+
+TEST(VoxelMean, WhatIsSeenFromOneSideIsSeenFromBoth) {
+  const VoxelValue sheet = mean_of({{Rgb(1, 0, 0), Vec3f(0, 1, 0)}, {Rgb(0, 1, 0), {1, 1, 0}}});
+  EXPECT_EQ(sheet.color, sheet.back);
+  EXPECT_EQ(unpack_color(sheet.color), Rgb(0.5F, 0.5F, 0));
+}
+
+TEST(VoxelMean, OfMeansIsThatOfAllTurnedAlike) {
+  VoxelMean first, second, all;
+  first.add(Rgb(1), Rgb(0.25F), {0, 0, 1}, 1);
+  second.add(Rgb(0.25F), Rgb(0.5F), {0, 0, -1}, 3);
+  all.add(first), all.add(second);
+  const VoxelValue value = all.value();
+  EXPECT_EQ(unpack_color(value.color), Rgb((1 + 3 * 0.5F) / 4));
+  EXPECT_EQ(unpack_color(value.back), Rgb((0.25F + 3 * 0.25F) / 4));
+  EXPECT_EQ(unpack_normal(value.normal), Vec3f(0, 0, 1));
 }
 
 TEST(VoxelValue, NoNormalStaysNone) {

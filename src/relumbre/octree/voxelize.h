@@ -15,6 +15,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 
 #include "relumbre/base/progress.h"
 #include "relumbre/geometry/triangle_mesh.h"
@@ -28,8 +29,9 @@ namespace relumbre {
 inline constexpr unsigned kMaxVoxelDepth = 16;
 
 struct SurfaceSample {
-  Rgb color;     ///< linear; radiosity may be stored as it is
-  Vec3f normal;  ///< of any length
+  Rgb color;                               ///< linear; radiosity may be stored as it is
+  Vec3f normal;                            ///< of any length
+  std::optional<Rgb> back = std::nullopt;  ///< from the other side, if that can be seen
 };
 /// The surface at barycentrics (u, v) of a triangle: the weights of its second and third vertex.
 /// Called by several threads at once.

@@ -30,9 +30,4 @@ Rgb LitSurface::at(std::uint32_t triangle, bool back, float u, float v, const Rg
   return emission + scene_.reflectance(triangle, u, v) * irradiance;
 }
 
-Rgb LitSurface::mean_at(std::uint32_t triangle, float u, float v) const {
-  const Rgb front = at(triangle, false, u, v);
-  return scene_.mesh.two_sided[triangle] != 0 ? (front + at(triangle, true, u, v)) * 0.5F : front;
-}
-
 }  // namespace relumbre

@@ -25,8 +25,6 @@ class LitSurface {
   /// lights, if it is given.
   [[nodiscard]] Rgb at(std::uint32_t triangle, bool back, float u, float v,
                        const Rgb& direct = {}) const;
-  /// The mean over the sides that reflect.
-  [[nodiscard]] Rgb mean_at(std::uint32_t triangle, float u, float v) const;
 
  private:
   const Scene& scene_;

@@ -42,15 +42,16 @@ Vec3f VoxelShader::normal(const CastRay& ray, const TreeHit& hit) const {
 
 VoxelShader::Look VoxelShader::look(const CastRay& ray, const TreeHit& hit) const {
   Look seen{kGrey, {}};
-  if (tree_.has_values()) seen = smooth_ ? interpolated(ray, hit) : stored(hit.child);
+  if (tree_.has_values()) seen = smooth_ ? interpolated(ray, hit) : stored(ray, hit.child);
   if (!(length(seen.normal) > 0)) seen.normal = face_normal(ray, hit);
-  if (dot(Vec3d(seen.normal), ray.direction) > 0) seen.normal = -seen.normal;
   return seen;
 }
 
-VoxelShader::Look VoxelShader::stored(const VoxelTree::Child& child) const {
+VoxelShader::Look VoxelShader::stored(const CastRay& ray, const VoxelTree::Child& child) const {
   const VoxelValue& value = tree_.value(child);
-  return {unpack_color(value.color), unpack_normal(value.normal)};
+  const Vec3f normal = unpack_normal(value.normal);
+  if (dot(Vec3d(normal), ray.direction) > 0) return {unpack_color(value.back), -normal};
+  return {unpack_color(value.color), normal};
 }
 
 /// Trilinear between the cells' centres; cells with nothing in them have no say.
@@ -73,12 +74,12 @@ VoxelShader::Look VoxelShader::interpolated(const CastRay& ray, const TreeHit& h
     }
     const auto child = tree_.find({cell[0], cell[1], cell[2]}, hit.child.level);
     if (!child || !(weight > 0)) continue;
-    const Look seen = stored(*child);
+    const Look seen = stored(ray, *child);
     sum.color += seen.color * weight;
     sum.normal += seen.normal * weight;
     weights += weight;
   }
-  if (!(weights > 0)) return stored(hit.child);
+  if (!(weights > 0)) return stored(ray, hit.child);
   return {sum.color / weights, normalized(sum.normal)};
 }
 

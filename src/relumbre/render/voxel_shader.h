@@ -28,7 +28,8 @@ class VoxelShader {
     Vec3f normal;
   };
   [[nodiscard]] Look look(const CastRay& ray, const TreeHit& hit) const;
-  [[nodiscard]] Look stored(const VoxelTree::Child& child) const;
+  /// From the ray's side.
+  [[nodiscard]] Look stored(const CastRay& ray, const VoxelTree::Child& child) const;
   [[nodiscard]] Look interpolated(const CastRay& ray, const TreeHit& hit) const;
 
   const VoxelTree& tree_;

@@ -110,6 +110,27 @@ TEST(VoxelView, DoesNotDependOnTheNumberOfThreads) {
     EXPECT_TRUE(std::ranges::equal(channel.values, alone.channel(channel.name))) << channel.name;
 }
 
+TEST(VoxelView, EachSideOfASheetHasItsOwnColour) {
+  TriangleMesh mesh;
+  mesh.positions = {{0, 0, 0.5F}, {1, 0, 0.5F}, {1, 1, 0.5F}, {0, 1, 0.5F}};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  VoxelizeConfig config{.depth = 7, .surface = {}};
+  config.surface = [](std::uint32_t, float, float) {
+    return SurfaceSample{Rgb(1, 0, 0), {0, 0, 1}, Rgb(0, 0, 1)};
+  };
+  const Cube cube{Vec3d(0), 1};
+  const VoxelTree tree = build_tree(cube, 7, Separating::k26, voxelize(mesh, cube, config));
+  Camera behind = front();
+  behind.eye.z = -2;
+  const std::size_t middle = 24 * 64 + 32;
+  for (const double detail : {0.0, 1.0}) {
+    VoxelViewConfig view = small_view(VoxelShading::kColor);
+    view.detail = detail, view.smooth = detail > 0;
+    EXPECT_EQ(render_voxels(tree, front(), view).rgb(middle), Rgb(1, 0, 0));
+    EXPECT_EQ(render_voxels(tree, behind, view).rgb(middle), Rgb(0, 0, 1));
+  }
+}
+
 TEST(VoxelView, EveryTraversalMakesTheSamePicture) {
   const VoxelTree tree = wall(6);
   VoxelViewConfig config = small_view(VoxelShading::kLit);
