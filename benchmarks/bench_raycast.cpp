@@ -30,6 +30,7 @@ constexpr std::size_t kWidth = 1280, kHeight = 720, kGrain = 4096;
 struct Rays {
   std::vector<CastRay> voxels;
   std::vector<Ray> metres;
+  double pixel = 0;  ///< voxels that one is wide, per t; none of diffuse rays
 };
 
 VoxelTree build(const Scene& scene, unsigned depth) {
@@ -53,6 +54,8 @@ Rays primary_rays(const Scene& scene, const VoxelTree& tree) {
   view.eye = view.target + (view.eye - view.target) * 0.45F;  // it leaves most of the picture empty
   const CameraRays camera(view, kWidth, kHeight);
   Rays rays;
+  rays.pixel = std::ldexp(1.0, static_cast<int>(tree.depth())) / tree.cube().edge /
+               camera.pixels_per_tangent();
   for (std::size_t y = 0; y < kHeight; y += kTile)
     for (std::size_t x = 0; x < kWidth; x += kTile)
       for (std::uint32_t i = 0; i < kTile * kTile; ++i) {
@@ -157,6 +160,11 @@ class Contest {
                        });
                      }});
     }
+    if (rays.pixel > 0) {
+      widened_ = rays.voxels;
+      for (CastRay& ray : widened_) ray.spread = rays.pixel;
+      all.push_back({"ours, nodes of up to a pixel", [&] { cast(tree_, widened_, hits_); }});
+    }
     if (nanovdb_) {
       all.push_back({"NanoVDB", [&] {
                        parallel_chunks(0, cells_.size(), kGrain, [&](std::size_t a, std::size_t b) {
@@ -226,6 +234,7 @@ class Contest {
   Octree words_;
   BareScene triangles_;
   std::unique_ptr<NanoVdbPeer> nanovdb_;
+  std::vector<CastRay> widened_;
   std::vector<TreeHit> hits_;
   std::vector<Cell> cells_;
   std::vector<std::optional<VoxelHit>> expected_;

@@ -86,13 +86,14 @@ constexpr unsigned kGroupLevels = 6;
 }  // namespace
 
 std::vector<BrickRange> plan_passes(const TriangleMesh& mesh, const Cube& cube, unsigned depth,
-                                    std::uint64_t list_bytes) {
+                                    std::uint64_t list_bytes, Progress& progress) {
   check_vertices(mesh);
   const unsigned bricks = brick_depth(depth);
   const unsigned shift = 3 * (bricks > kGroupLevels ? bricks - kGroupLevels : 0);
   const std::size_t groups = std::size_t{1} << (3 * bricks - shift);
   std::vector<std::atomic<std::uint64_t>> counts(groups);
   parallel_for(0, mesh.triangles.size(), kGrain, [&](std::size_t t) {
+    progress.check();
     for_each_brick(mesh, cube, depth, t, [&](std::uint64_t brick) {
       counts[brick >> shift].fetch_add(1, std::memory_order_relaxed);
     });
@@ -112,11 +113,12 @@ std::vector<BrickRange> plan_passes(const TriangleMesh& mesh, const Cube& cube, 
 }
 
 BrickLists list_triangles(const TriangleMesh& mesh, const Cube& cube, unsigned depth,
-                          const BrickRange& range) {
+                          const BrickRange& range, Progress& progress) {
   std::vector<Listed> parts((mesh.triangles.size() + kGrain - 1) / kGrain);
   parallel_chunks(0, mesh.triangles.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     Listed& part = parts[begin / kGrain];
     for (std::size_t t = begin; t < end; ++t) {
+      progress.check();
       for_each_brick(mesh, cube, depth, t, [&](std::uint64_t brick) {
         if (brick >= range.first && brick < range.last)
           part.add(static_cast<std::uint32_t>(brick), static_cast<std::uint32_t>(t));

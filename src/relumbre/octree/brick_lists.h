@@ -27,11 +27,11 @@ struct BrickRange {
 };
 
 /// Cuts the cube into runs of bricks whose lists take about `list_bytes` each, or are those of a
-/// single group of bricks, which is not cut further. Throws as voxelize().
+/// single group of bricks, which is not cut further. Throws as voxelize(), and Cancelled.
 std::vector<BrickRange> plan_passes(const TriangleMesh& mesh, const Cube& cube, unsigned depth,
-                                    std::uint64_t list_bytes);
+                                    std::uint64_t list_bytes, Progress& progress);
 
 BrickLists list_triangles(const TriangleMesh& mesh, const Cube& cube, unsigned depth,
-                          const BrickRange& range);
+                          const BrickRange& range, Progress& progress);
 
 }  // namespace relumbre

@@ -80,11 +80,11 @@ std::uint64_t fill_bricks(const BrickLists& lists, FillerPool& fillers, const Vo
 VoxelizeReport voxelize(const TriangleMesh& mesh, const Cube& cube, const VoxelizeConfig& config,
                         const VoxelSink& sink, Progress& progress) {
   check_depth(config.depth);
-  const auto passes = plan_passes(mesh, cube, config.depth, config.list_bytes);
+  const auto passes = plan_passes(mesh, cube, config.depth, config.list_bytes, progress);
   FillerPool fillers(mesh, cube, config);
   VoxelizeReport report{.voxels = 0, .passes = passes.size()};
   for (const BrickRange& range : passes) {
-    const BrickLists lists = list_triangles(mesh, cube, config.depth, range);
+    const BrickLists lists = list_triangles(mesh, cube, config.depth, range, progress);
     progress.begin("voxelize", lists.size());
     report.voxels += fill_bricks(lists, fillers, sink, progress);
   }
