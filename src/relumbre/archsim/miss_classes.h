@@ -27,8 +27,8 @@ struct MissClasses {
   friend bool operator==(const MissClasses&, const MissClasses&) = default;
 };
 
-/// Runs beside one cache and is told of all its reads, in order. O(1) a read; 24 bytes a distinct
-/// address and some 64 a line.
+/// Runs beside one cache and is told of all its reads, in order. O(1) a read; 32 to 64 bytes a
+/// distinct address, and as many and 16 more a line that is used.
 class MissClassifier {
  public:
   explicit MissClassifier(std::uint64_t lines) : associative_({.lines = lines, .ways = lines}) {}

@@ -15,7 +15,7 @@ struct NodeReads {
 };
 
 /// Of every address that is read at all, in growing order, which is level by level. Threaded; a few
-/// nanoseconds a read, and 40 bytes an address and thread meanwhile.
+/// nanoseconds a read, and some 100 bytes an address and thread meanwhile.
 std::vector<NodeReads> count_node_reads(const Trace& trace);
 
 }  // namespace relumbre

@@ -39,7 +39,6 @@ UnitCounters simulate_unit(const Trace& trace, const Tiles& tiles, const Machine
 
 Simulation simulate(const Trace& trace, const MachineConfig& config) {
   const Tiles tiles(trace.shape().width, trace.shape().height, config.tile, config.gts);
-  (void)MemoryHierarchy(hierarchy_of(trace, config, 0));  // whether it can be built
   Simulation result;
   result.units.resize(config.gts);
   parallel_for(0, result.units.size(), 1, [&](std::size_t unit) {

@@ -51,6 +51,7 @@ Trace::Trace(Parts parts) : parts_(std::move(parts)) {
   if (row_begin_.data()[shape.height] != parts_.reads.size())
     throw ShapeError(fmt::format("a trace of {} reads says that it has {}", parts_.reads.size(),
                                  row_begin_.data()[shape.height]));
+  check_reads();
 }
 
 std::size_t Trace::bytes() const {
@@ -58,12 +59,12 @@ std::size_t Trace::bytes() const {
          row_begin_.size() * sizeof(std::size_t);
 }
 
-void check_reads(const Trace& trace) {
-  const TraceShape& shape = trace.shape();
+void Trace::check_reads() const {
+  const TraceShape& shape = parts_.shape;
   parallel_for(0, shape.height, 8, [&](std::size_t y) {
-    auto rest = trace.row_reads(static_cast<std::uint32_t>(y));
+    auto rest = row_reads(static_cast<std::uint32_t>(y));
     for (std::size_t x = 0; x < shape.width; ++x) {
-      const std::size_t count = trace.read_counts()[y * shape.width + x];
+      const std::size_t count = read_counts()[y * shape.width + x];
       if (!is_path(rest.first(count), shape.levels))
         throw ShapeError(fmt::format("the reads of pixel ({}, {}) do not follow each other", x, y));
       rest = rest.subspan(count);

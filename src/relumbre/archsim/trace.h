@@ -71,8 +71,9 @@ class Trace {
     HugeArray<std::uint8_t> reads;         ///< of all pixels, one behind the other
   };
 
-  /// Throws ValueError for a shape that cannot be, ShapeError for arrays that do not go together.
-  /// The reads themselves are not looked at: see check_reads().
+  /// Throws ValueError for a shape that cannot be, ShapeError for arrays that do not go together
+  /// and, naming the pixel, for a read that does not follow from those before it. Threaded; about a
+  /// nanosecond a read.
   explicit Trace(Parts parts);
 
   [[nodiscard]] const TraceShape& shape() const { return parts_.shape; }
@@ -92,12 +93,10 @@ class Trace {
   [[nodiscard]] std::size_t bytes() const;
 
  private:
+  void check_reads() const;
+
   Parts parts_;
   HugeArray<std::size_t> row_begin_;  ///< height + 1
 };
-
-/// Throws ShapeError, naming the pixel, unless each read of a ray follows from those before it.
-/// Threaded; about a nanosecond a read.
-void check_reads(const Trace& trace);
 
 }  // namespace relumbre

@@ -165,9 +165,7 @@ class TraceReader {
                        HugeArray<std::uint8_t>(header_.reads)};
     parallel_for(0, bands_.size(), 1, [&](std::size_t band) { read_band(band, parts); });
     try {
-      Trace trace(std::move(parts));
-      check_reads(trace);
-      return trace;
+      return Trace(std::move(parts));
     } catch (const ShapeError& error) {
       fail(fmt::format("is damaged: {}", error.what()));
     }

@@ -129,7 +129,6 @@ TEST(MachineTrace, AnyTraversalOfTheSurveyIsRecorded) {
        {Traversal{Kind::kRestart}, Traversal{Kind::kBacktrack}, Traversal{Kind::kFullStack},
         Traversal{Kind::kShortStack, 1}, Traversal{Kind::kShortStack, 3}}) {
     const Trace recorded = trace_of(sight, traversal);
-    ASSERT_NO_THROW(check_reads(recorded));
     std::vector<std::uint8_t> reads;
     for (std::uint32_t y = 0; y < sight.height; ++y)
       for (std::uint32_t x = 0; x < sight.width; ++x) {
