@@ -26,11 +26,11 @@ Cover cover(const Scene& scene, unsigned depth, std::size_t width, std::size_t h
   const RayScene triangles(scene.mesh);
   const Camera camera = auto_camera(scene);
   const CameraRays metres(camera, width, height);
-  const GridRays grid(tree, camera, width, height);
+  const GridRays grid(cube, depth, camera, width, height);
   std::vector<CastRay> rays;
   for (std::size_t y = 0; y < height; ++y)
     for (std::size_t x = 0; x < width; ++x)
-      rays.push_back(grid.through(static_cast<float>(x) + 0.5F, static_cast<float>(y) + 0.5F));
+      rays.push_back(grid.through_center(x, y));
   std::vector<TreeHit> hits(rays.size());
   cast(tree, rays, hits);
 

@@ -63,5 +63,6 @@ void add_compare_command(CLI::App& app);
 void add_dof_command(CLI::App& app);
 void add_voxelize_command(CLI::App& app);
 void add_raycast_command(CLI::App& app);
+void add_simulate_command(CLI::App& app);
 
 }  // namespace relumbre::cli

@@ -1,6 +1,5 @@
-#include <map>
-
 #include "cli/octree_report.h"
+#include "cli/traversal_options.h"
 #include "cli/view_options.h"
 #include "relumbre/base/error.h"
 #include "relumbre/render/traversal_view.h"
@@ -14,15 +13,9 @@ struct Options {
   std::string octree;
   ViewOptions picture;
   VoxelViewConfig view;
-  std::string shading = "auto", show = "picture", traversal;
-  int stack_nodes = 4;
+  std::string shading = "auto", show = "picture";
+  TraversalOptions traversal;
 };
-
-const std::map<std::string, Traversal::Kind> kTraversals{
-    {"restart", Traversal::Kind::kRestart},
-    {"backtrack", Traversal::Kind::kBacktrack},
-    {"full-stack", Traversal::Kind::kFullStack},
-    {"short-stack", Traversal::Kind::kShortStack}};
 
 VoxelShading shading_of(const std::string& name, const VoxelTree& tree) {
   if (name == "color") return VoxelShading::kColor;
@@ -32,7 +25,7 @@ VoxelShading shading_of(const std::string& name, const VoxelTree& tree) {
 }
 
 Camera camera_of(const std::string& choice, const VoxelTree& tree) {
-  return choice == "auto" ? voxel_camera(tree) : read_camera(choice);
+  return choice == "auto" ? voxel_camera(tree.cube()) : read_camera(choice);
 }
 
 /// A lit surface and a normal have their brightness; light is exposed.
@@ -47,11 +40,12 @@ ToneConfig tone_of(const Options& options, const VoxelViewConfig& view) {
 
 /// None: the fast one, which has no heat maps.
 std::optional<Traversal> traversal_of(const Options& options) {
-  std::string name = options.traversal;
-  if (name.empty()) name = options.show == "picture" ? "fast" : "full-stack";
-  if (name != "fast") return Traversal{kTraversals.at(name), options.stack_nodes};
-  if (options.show == "picture") return std::nullopt;
-  throw CLI::ValidationError("--traversal", "fast has no heat maps");
+  const bool is_picture = options.show == "picture";
+  std::string name = options.traversal.name;
+  if (name.empty()) name = is_picture ? "fast" : "full-stack";
+  if (name == "fast" && !is_picture)
+    throw CLI::ValidationError("--traversal", "fast has no heat maps");
+  return published_traversal(name, options.traversal.stack_nodes);
 }
 
 Image make_picture(const Options& options, const VoxelViewConfig& view, const VoxelTree& tree,
@@ -119,14 +113,10 @@ void define(CLI::App& command, Options& o) {
                   "picture, or a heat map of what a traversal does: visits, reads or level")
       ->check(CLI::IsMember({"picture", "visits", "reads", "level"}))
       ->capture_default_str();
-  command
-      .add_option("--traversal", o.traversal,
-                  "fast, restart, backtrack, full-stack or short-stack (default: fast; of heat "
-                  "maps full-stack)")
-      ->check(CLI::IsMember({"fast", "restart", "backtrack", "full-stack", "short-stack"}));
-  command.add_option("--stack", o.stack_nodes, "Nodes that a short stack holds")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
+  add_traversal_options(
+      command, o.traversal, "fast",
+      "fast, restart, backtrack, full-stack or short-stack (default: fast; of heat maps "
+      "full-stack)");
 }
 
 }  // namespace

@@ -1,10 +1,9 @@
 #include "relumbre/experiment/machine_trace.h"
 
-#include <cmath>
-
 #include "relumbre/archsim/trace_recorder.h"
 #include "relumbre/base/parallel.h"
 #include "relumbre/octree/geometry_unit.h"
+#include "relumbre/render/grid_rays.h"
 
 namespace relumbre {
 
@@ -21,8 +20,8 @@ struct RowObserver {
 };
 static_assert(TraversalObserver<RowObserver>);
 
-void trace_ray(const Octree& octree, const PixelRays::Line& ray,
-               const std::optional<Traversal>& traversal, RowObserver& observer) {
+void trace_ray(const Octree& octree, const CastRay& ray, const std::optional<Traversal>& traversal,
+               RowObserver& observer) {
   if (traversal)
     (void)trace(octree, GridRay(ray.origin, ray.direction), *traversal, observer);
   else
@@ -31,20 +30,10 @@ void trace_ray(const Octree& octree, const PixelRays::Line& ray,
 
 }  // namespace
 
-PixelRays::PixelRays(const Cube& cube, int depth, const Camera& camera, std::uint32_t width,
-                     std::uint32_t height)
-    : rays_(camera, width, height),
-      origin_(cube.to_voxels(Vec3d(camera.eye), static_cast<unsigned>(depth))),
-      scale_(std::ldexp(1.0, depth) / cube.edge) {}
-
-PixelRays::Line PixelRays::through(std::uint32_t x, std::uint32_t y) const {
-  const Ray ray = rays_.through(static_cast<float>(x) + 0.5F, static_cast<float>(y) + 0.5F);
-  return {origin_, Vec3d(ray.direction) * scale_};
-}
-
 Trace machine_trace(const Octree& octree, const Cube& cube, const Camera& camera,
                     const MachineTraceConfig& config, Progress& progress) {
-  const PixelRays rays(cube, octree.depth(), camera, config.width, config.height);
+  const GridRays rays(cube, static_cast<unsigned>(octree.depth()), camera, config.width,
+                      config.height);
   TraceRecorder recorder({config.width, config.height, octree.depth()});
   progress.begin("traverse", config.height);
   parallel_for(0, config.height, 1, [&](std::size_t i) {
@@ -53,7 +42,7 @@ Trace machine_trace(const Octree& octree, const Cube& cube, const Camera& camera
     TraceRecorder::Row row = recorder.row(y);
     RowObserver observer{row};
     for (std::uint32_t x = 0; x < config.width; ++x)
-      trace_ray(octree, rays.through(x, y), config.traversal, observer);
+      trace_ray(octree, rays.through_center(x, y), config.traversal, observer);
     row.finish();
     progress.advance(1);
   });

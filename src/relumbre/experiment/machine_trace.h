@@ -8,7 +8,6 @@
 #include "relumbre/base/progress.h"
 #include "relumbre/octree/cube.h"
 #include "relumbre/octree/traverse.h"
-#include "relumbre/render/camera_rays.h"
 #include "relumbre/scene/camera.h"
 
 namespace relumbre {
@@ -25,22 +24,5 @@ struct MachineTraceConfig {
 /// ValueError for a camera, a size or a traversal that cannot be, Cancelled.
 Trace machine_trace(const Octree& octree, const Cube& cube, const Camera& camera,
                     const MachineTraceConfig& config, Progress& progress = no_progress());
-
-/// The ray through a pixel's centre, in voxels.
-class PixelRays {
- public:
-  PixelRays(const Cube& cube, int depth, const Camera& camera, std::uint32_t width,
-            std::uint32_t height);
-
-  struct Line {
-    Vec3d origin, direction;
-  };
-  [[nodiscard]] Line through(std::uint32_t x, std::uint32_t y) const;
-
- private:
-  CameraRays rays_;
-  Vec3d origin_;
-  double scale_;
-};
 
 }  // namespace relumbre

@@ -10,12 +10,12 @@
 #include "relumbre/base/error.h"
 #include "relumbre/base/parallel.h"
 #include "relumbre/experiment/slow_machine.h"
-#include "relumbre/octree/octree_testing.h"
+#include "relumbre/octree/test_voxels.h"
 
 namespace relumbre {
 namespace {
 
-using namespace octree_testing;
+using namespace test;
 using experiment_testing::SlowMachine;
 using Kind = Traversal::Kind;
 
@@ -53,7 +53,8 @@ TEST(MachineTrace, SimulatedIsWhatADirectTranscriptionOfTheDefinitionCounts) {
   const std::vector<std::uint64_t> lines{8, 64, 512, 4096};
   for (const Sight& sight : sights()) {
     const Trace trace = trace_of(sight);
-    const PixelRays rays(unit_cube(), sight.depth, sight.camera, sight.width, sight.height);
+    const GridRays rays(unit_cube(), static_cast<unsigned>(sight.depth), sight.camera, sight.width,
+                        sight.height);
     for (const std::uint32_t gts : {1U, 2U, 3U, 7U})
       for (const std::uint32_t tile : {1U, 2U, 10U, 16U}) {
         MachineConfig config{.gts = gts, .tile = tile};
@@ -124,7 +125,8 @@ struct Counts {
 TEST(MachineTrace, AnyTraversalOfTheSurveyIsRecorded) {
   const Sight sight = sights()[6];
   const Octree octree(sight.voxels, sight.depth);
-  const PixelRays rays(unit_cube(), sight.depth, sight.camera, sight.width, sight.height);
+  const GridRays rays(unit_cube(), static_cast<unsigned>(sight.depth), sight.camera, sight.width,
+                      sight.height);
   for (const Traversal& traversal :
        {Traversal{Kind::kRestart}, Traversal{Kind::kBacktrack}, Traversal{Kind::kFullStack},
         Traversal{Kind::kShortStack, 1}, Traversal{Kind::kShortStack, 3}}) {
@@ -133,7 +135,7 @@ TEST(MachineTrace, AnyTraversalOfTheSurveyIsRecorded) {
     for (std::uint32_t y = 0; y < sight.height; ++y)
       for (std::uint32_t x = 0; x < sight.width; ++x) {
         Counts counts;
-        const auto ray = rays.through(x, y);
+        const auto ray = rays.through_center(x, y);
         (void)trace(octree, GridRay(ray.origin, ray.direction), traversal, counts);
         ASSERT_EQ(recorded.tasks()[y * std::size_t{sight.width} + x], counts.tasks);
         reads.insert(reads.end(), counts.reads.begin(), counts.reads.end());

@@ -13,6 +13,7 @@
 
 #include "relumbre/archsim/simulate.h"
 #include "relumbre/experiment/machine_trace.h"
+#include "relumbre/render/grid_rays.h"
 
 namespace relumbre::experiment_testing {
 
@@ -56,7 +57,7 @@ class SlowMachine {
   }
 
   /// Every tile by the unit that owns it.
-  void draw(const PixelRays& rays, std::uint32_t width, std::uint32_t height, std::uint32_t tile) {
+  void draw(const GridRays& rays, std::uint32_t width, std::uint32_t height, std::uint32_t tile) {
     std::vector<std::pair<std::uint32_t, std::uint32_t>> corners;
     for (std::uint32_t y = 0; y < height; y += tile)
       for (std::uint32_t x = 0; x < width; x += tile) corners.emplace_back(x, y);
@@ -67,7 +68,7 @@ class SlowMachine {
              ++y)
           for (std::uint32_t x = corners[i].first; x < std::min(corners[i].first + tile, width);
                ++x)
-            trace(units_[unit], rays.through(x, y));
+            trace(units_[unit], rays.through_center(x, y));
   }
 
   [[nodiscard]] Simulation simulation() const {
@@ -96,7 +97,7 @@ class SlowMachine {
   };
 
   /// A LIFO of tasks until the nearest voxel is met.
-  void trace(Unit& unit, const PixelRays::Line& ray) {
+  void trace(Unit& unit, const CastRay& ray) {
     ++unit.rays;
     const double edge = static_cast<double>(1U << depth_);
     std::vector<Task> lifo{{1, 0, Vec3d(0)}};  // octant 7 of what is around the cube's corner
@@ -127,7 +128,7 @@ class SlowMachine {
   }
 
   /// The closed box by its slabs.
-  static bool meets(const PixelRays::Line& ray, const Vec3d& lower, const Vec3d& upper) {
+  static bool meets(const CastRay& ray, const Vec3d& lower, const Vec3d& upper) {
     double enter = 0, exit = std::numeric_limits<double>::infinity();
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const double o = ray.origin[axis], d = ray.direction[axis];

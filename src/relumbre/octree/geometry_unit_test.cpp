@@ -11,12 +11,14 @@
 
 #include "relumbre/base/sampling.h"
 #include "relumbre/octree/full_stack.h"
+#include "relumbre/octree/test_rays.h"
+#include "relumbre/octree/test_voxels.h"
 #include "relumbre/octree/traversal_testing.h"
 
 namespace relumbre {
 namespace {
 
-using namespace octree_testing;
+using namespace test;
 
 struct Log {
   std::size_t rays = 0;

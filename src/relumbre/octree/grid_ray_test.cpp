@@ -9,13 +9,13 @@
 
 #include <gtest/gtest.h>
 
-#include "relumbre/octree/octree_testing.h"
+#include "relumbre/octree/test_rays.h"
+#include "relumbre/octree/test_voxels.h"
 
 namespace relumbre {
 namespace {
 
-using octree_testing::TestRay;
-using octree_testing::TestRays;
+using test::TestRay, test::TestRays;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();

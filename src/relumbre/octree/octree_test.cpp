@@ -11,15 +11,12 @@
 
 #include "relumbre/base/error.h"
 #include "relumbre/base/parallel.h"
-#include "relumbre/octree/octree_testing.h"
+#include "relumbre/octree/test_voxels.h"
 
 namespace relumbre {
 namespace {
 
-using octree_testing::all_voxels;
-using octree_testing::random_voxels;
-using octree_testing::shell;
-using octree_testing::VoxelSet;
+using test::all_voxels, test::random_voxels, test::shell, test::VoxelSet;
 
 using Words = std::map<LocationCode, unsigned>;
 

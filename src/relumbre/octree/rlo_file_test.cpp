@@ -14,7 +14,7 @@
 namespace relumbre {
 namespace {
 
-using test::blocks_of, test::random_codes;
+using test::blocks_of, test::random_voxels;
 
 class Rlo : public testing::Test {
  protected:
@@ -41,7 +41,7 @@ class Rlo : public testing::Test {
 TEST_F(Rlo, ReadsWhatWasWritten) {
   for (const unsigned depth : {0U, 1U, 2U, 5U, 8U}) {
     for (const bool values : {false, true}) {
-      const VoxelBlocks blocks = blocks_of(random_codes(depth, 2000), values);
+      const VoxelBlocks blocks = blocks_of(random_voxels(depth, 2000), values);
       write(depth, blocks);
       const RloFile read = read_rlo(file_);
       const VoxelTree tree = build_tree(cube_, depth, Separating::k6, blocks);
@@ -61,7 +61,7 @@ TEST_F(Rlo, ReadsWhatWasWritten) {
 }
 
 TEST_F(Rlo, PiecesMakeTheSameFile) {
-  const auto codes = random_codes(6, 3000);
+  const auto codes = random_voxels(6, 3000);
   write(6, blocks_of(codes, true));
   const std::string whole = read_file(file_);
   const auto middle = std::ranges::lower_bound(codes, codes[codes.size() / 2] & ~std::uint64_t{63});
@@ -73,7 +73,7 @@ TEST_F(Rlo, PiecesMakeTheSameFile) {
 }
 
 TEST_F(Rlo, EveryAlteredByteIsNoticed) {
-  write(4, blocks_of(random_codes(4, 100), true));
+  write(4, blocks_of(random_voxels(4, 100), true));
   const std::string good = read_file(file_);
   const auto is_used = [&](std::size_t i) { return good[i] != 0 || i < 280; };
   for (std::size_t i = 0; i < good.size(); i += i < 280 ? 1 : 37) {
@@ -86,7 +86,7 @@ TEST_F(Rlo, EveryAlteredByteIsNoticed) {
 }
 
 TEST_F(Rlo, TruncatedAndForeignFilesAreRefused) {
-  write(6, blocks_of(random_codes(6, 500), true));
+  write(6, blocks_of(random_voxels(6, 500), true));
   const std::string good = read_file(file_);
   write_file(file_, good.substr(0, good.size() - 1));
   expect_refused("is truncated or altered");

@@ -5,10 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "relumbre/octree/octree_testing.h"
 #include "relumbre/octree/traverse.h"
 
-namespace relumbre::octree_testing {
+namespace relumbre::test {
 
 /// All kinds, short stacks of 1, 2, 3 and more nodes than any tree is deep.
 inline std::vector<Traversal> all_traversals() {
@@ -32,11 +31,4 @@ inline std::string name_of(const Traversal& traversal) {
   return "short stack " + std::to_string(traversal.stack_nodes);
 }
 
-inline std::vector<TestRay> test_rays(int depth, std::size_t count) {
-  TestRays stream(depth, count);
-  std::vector<TestRay> rays(count);
-  for (TestRay& ray : rays) ray = stream.next();
-  return rays;
-}
-
-}  // namespace relumbre::octree_testing
+}  // namespace relumbre::test

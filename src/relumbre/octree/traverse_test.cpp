@@ -13,20 +13,15 @@
 
 #include "relumbre/base/error.h"
 #include "relumbre/base/parallel.h"
-#include "relumbre/octree/octree_testing.h"
+#include "relumbre/octree/test_rays.h"
+#include "relumbre/octree/test_voxels.h"
 #include "relumbre/octree/traversal_testing.h"
 
 namespace relumbre {
 namespace {
 
-using octree_testing::all_traversals;
-using octree_testing::all_voxels;
-using octree_testing::name_of;
-using octree_testing::random_voxels;
-using octree_testing::shell;
-using octree_testing::test_rays;
-using octree_testing::TestRay;
-using octree_testing::VoxelSet;
+using test::all_traversals, test::all_voxels, test::name_of, test::random_voxels, test::shell,
+    test::test_rays, test::TestRay, test::VoxelSet;
 using Kind = Traversal::Kind;
 
 /// A walk of all voxels, by the definition of a hit alone.

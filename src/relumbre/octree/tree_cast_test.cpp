@@ -11,7 +11,7 @@
 #include "relumbre/base/error.h"
 #include "relumbre/base/sampling.h"
 #include "relumbre/octree/cast_kernels.h"
-#include "relumbre/octree/octree_testing.h"
+#include "relumbre/octree/test_rays.h"
 #include "relumbre/octree/test_voxels.h"
 #include "relumbre/octree/traversal_testing.h"
 #include "relumbre/octree/voxel_tree_builder.h"
@@ -19,8 +19,8 @@
 namespace relumbre {
 namespace {
 
-using octree_testing::all_voxels, octree_testing::random_voxels, octree_testing::shell;
-using octree_testing::test_rays, octree_testing::TestRay, octree_testing::VoxelSet;
+using test::all_voxels, test::random_voxels, test::shell;
+using test::test_rays, test::TestRay, test::VoxelSet;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 

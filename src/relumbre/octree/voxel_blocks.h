@@ -30,4 +30,14 @@ struct VoxelBlocks {
   }
 };
 
+/// The voxels' Morton codes, ascending: what an Octree is built from.
+inline std::vector<std::uint64_t> voxel_codes(const VoxelBlocks& blocks) {
+  std::vector<std::uint64_t> codes;
+  codes.reserve(blocks.voxels());
+  for (std::size_t b = 0; b < blocks.code.size(); ++b)
+    for (std::uint64_t mask = blocks.mask[b]; mask != 0; mask &= mask - 1)
+      codes.push_back(blocks.code[b] << 6 | static_cast<unsigned>(std::countr_zero(mask)));
+  return codes;
+}
+
 }  // namespace relumbre

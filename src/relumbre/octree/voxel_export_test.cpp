@@ -11,6 +11,7 @@
 
 #include "relumbre/base/atomic_file.h"
 #include "relumbre/base/error.h"
+#include "relumbre/base/sampling.h"
 #include "relumbre/base/temporary_folder.h"
 #include "relumbre/octree/display_color.h"
 #include "relumbre/octree/morton.h"
@@ -21,7 +22,7 @@
 namespace relumbre {
 namespace {
 
-using test::blocks_of, test::random_codes;
+using test::blocks_of, test::random_voxels;
 using Place = std::tuple<int, int, int>;
 
 std::uint32_t number_at(const std::string& bytes, std::size_t at) {
@@ -66,7 +67,7 @@ std::map<Place, Srgb8> read_vox(const std::string& bytes) {
 TEST(VoxelExport, VoxFilesHoldEveryVoxelInItsPlace) {
   for (const unsigned depth : {3U, 8U, 10U}) {
     const TemporaryFolder folder;
-    const auto codes = random_codes(depth, 400);
+    const auto codes = random_voxels(depth, 400);
     const VoxelTree tree = build_tree({}, depth, Separating::k26, blocks_of(codes, true));
     export_voxels(folder / "v.vox", tree);
     const auto voxels = read_vox(read_file(folder / "v.vox"));
@@ -87,7 +88,7 @@ TEST(VoxelExport, VoxFilesHoldEveryVoxelInItsPlace) {
 
 TEST(VoxelExport, PointsAreTheVoxelsCentres) {
   const TemporaryFolder folder;
-  const auto codes = random_codes(4, 300);
+  const auto codes = random_voxels(4, 300);
   const Cube cube{Vec3d(1, 2, 3), 16};
   const VoxelTree tree = build_tree(cube, 4, Separating::k26, blocks_of(codes, true));
   export_voxels(folder / "v.ply", tree);
@@ -107,7 +108,7 @@ TEST(VoxelExport, PointsAreTheVoxelsCentres) {
 
 TEST(VoxelExport, GeometryAloneIsWrittenToo) {
   const TemporaryFolder folder;
-  const auto codes = random_codes(4, 300);
+  const auto codes = random_voxels(4, 300);
   const VoxelTree tree = build_tree({}, 4, Separating::k26, blocks_of(codes, false));
   export_voxels(folder / "v.ply", tree);
   export_voxels(folder / "v.vox", tree);

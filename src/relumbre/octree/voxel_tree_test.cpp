@@ -12,11 +12,11 @@
 namespace relumbre {
 namespace {
 
-using test::blocks_of, test::random_codes;
+using test::blocks_of, test::random_voxels;
 
 TEST(VoxelTree, HoldsTheVoxelsItWasBuiltFrom) {
   for (const unsigned depth : {0U, 1U, 2U, 3U, 4U, 5U, 8U, 11U, 16U}) {
-    const auto codes = random_codes(depth, 3000);
+    const auto codes = random_voxels(depth, 3000);
     const VoxelTree tree = build_tree({}, depth, Separating::k26, blocks_of(codes, true));
     check_tree(tree);
     ASSERT_EQ(tree.voxels(), codes.size()) << depth;
@@ -35,7 +35,7 @@ TEST(VoxelTree, HoldsTheVoxelsItWasBuiltFrom) {
 }
 
 TEST(VoxelTree, FindsNothingWhereNothingIs) {
-  const auto codes = random_codes(4, 1000);
+  const auto codes = random_voxels(4, 1000);
   const VoxelTree tree = build_tree({}, 4, Separating::k26, blocks_of(codes, true));
   for (std::uint64_t code = 0; code < 1 << 12; ++code)
     EXPECT_EQ(tree.find(morton_decode(code)).has_value(), std::ranges::binary_search(codes, code));
@@ -49,7 +49,7 @@ TEST(VoxelTree, FindsNothingWhereNothingIs) {
 }
 
 TEST(VoxelTree, NodesHaveTheMeansOfTheirVoxels) {
-  const auto codes = random_codes(5, 2000);
+  const auto codes = random_voxels(5, 2000);
   const VoxelTree tree = build_tree({}, 5, Separating::k26, blocks_of(codes, true));
   Rgb sum;
   for (const std::uint64_t code : codes) sum += unpack_color(test::value_of(code).color);
@@ -67,7 +67,7 @@ TEST(VoxelTree, NodesHaveTheMeansOfTheirVoxels) {
 }
 
 TEST(VoxelTree, BlocksMustComeInOrderAndInTheGrid) {
-  const auto codes = random_codes(5, 500);
+  const auto codes = random_voxels(5, 500);
   VoxelBlocks blocks = blocks_of(codes, false);
   VoxelTreeBuilder builder({}, 5, Separating::k26);
   builder.add(blocks);
@@ -95,7 +95,8 @@ struct Spoilt {
 };
 
 TEST(VoxelTree, PartsThatDoNotBelongTogetherAreFound) {
-  const VoxelTree tree = build_tree({}, 5, Separating::k26, blocks_of(random_codes(5, 500), false));
+  const VoxelTree tree =
+      build_tree({}, 5, Separating::k26, blocks_of(random_voxels(5, 500), false));
   EXPECT_NO_THROW(check_tree(tree));
   const auto expect_found = [&](auto&& spoil) {
     Spoilt spoilt(tree);

@@ -33,14 +33,6 @@ TriangleMesh random_mesh(std::size_t triangles, float size) {
 }
 Cube cube_of(const TriangleMesh& mesh) { return cube_around(bounds(mesh.positions)); }
 
-std::vector<std::uint64_t> voxel_codes(const VoxelBlocks& blocks) {
-  std::vector<std::uint64_t> codes;
-  for (std::size_t b = 0; b < blocks.code.size(); ++b)
-    for (unsigned bit = 0; bit < 64; ++bit)
-      if (blocks.mask[b] >> bit & 1) codes.push_back(blocks.code[b] << 6 | bit);
-  return codes;
-}
-
 /// Every voxel against every triangle.
 std::vector<std::uint64_t> slow_codes(const TriangleMesh& mesh, unsigned depth,
                                       Separating separating) {

@@ -1,4 +1,4 @@
-/// Primary rays of a camera through a tree's grid.
+/// Primary rays of a camera through a cube's grid of voxels.
 #pragma once
 
 #include <cmath>
@@ -12,10 +12,10 @@ namespace relumbre {
 class GridRays {
  public:
   /// With nodes of up to `detail` pixels hit as they are: see CastRay. Throws as CameraRays.
-  GridRays(const VoxelTree& tree, const Camera& camera, std::size_t width, std::size_t height,
-           double detail = 0)
-      : cube_(tree.cube()),
-        depth_(tree.depth()),
+  GridRays(const Cube& cube, unsigned depth, const Camera& camera, std::size_t width,
+           std::size_t height, double detail = 0)
+      : cube_(cube),
+        depth_(depth),
         rays_(camera, width, height),
         voxels_per_metre_(std::ldexp(1.0, static_cast<int>(depth_)) / cube_.edge),
         spread_(detail / rays_.pixels_per_tangent() * voxels_per_metre_) {}
@@ -25,6 +25,9 @@ class GridRays {
     return {.origin = cube_.to_voxels(Vec3d(ray.origin), depth_),
             .direction = Vec3d(ray.direction) * voxels_per_metre_,
             .spread = spread_};
+  }
+  [[nodiscard]] CastRay through_center(std::size_t x, std::size_t y) const {
+    return through(static_cast<float>(x) + 0.5F, static_cast<float>(y) + 0.5F);
   }
 
  private:

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 
+#include "relumbre/image/heat_map.h"
 #include "relumbre/render/grid_rays.h"
 #include "relumbre/render/view_tiles.h"
 
@@ -24,15 +25,6 @@ struct CountingObserver {
   void restart() {}
 };
 
-/// From 0 to 1: dark blue, red, yellow, white.
-Rgb heat(float v) {
-  const auto ramp = [v](float from, float to) {
-    return std::clamp((v - from) / (to - from), 0.0F, 1.0F);
-  };
-  return {ramp(0.1F, 0.5F), ramp(0.4F, 0.8F),
-          0.25F * ramp(0, 0.1F) * (1 - ramp(0.3F, 0.5F)) + ramp(0.75F, 1)};
-}
-
 }  // namespace
 
 Image traversal_heat_map(const VoxelTree& tree, const Camera& camera, std::size_t width,
@@ -43,14 +35,13 @@ Image traversal_heat_map(const VoxelTree& tree, const Camera& camera, std::size_
   const std::array<std::string, 6> names{"R", "G", "B", "visits", "reads", "level"};
   Image image(width, height, names);
   const auto visits = image.channel("visits"), reads = image.channel("reads"),
-             level = image.channel("level"), show = image.channel(shown);
-  const GridRays rays(tree, camera, width, height);
+             level = image.channel("level");
+  const GridRays rays(tree.cube(), tree.depth(), camera, width, height);
 
   for_each_tile(width, height, 64, "traverse", progress, [&](const ViewTile& tile) {
     for (std::size_t i = 0; i < tile.pixels(); ++i) {
       const std::size_t pixel = tile.pixel(i);
-      const CastRay ray = rays.through(static_cast<float>(pixel % width) + 0.5F,
-                                       static_cast<float>(pixel / width) + 0.5F);
+      const CastRay ray = rays.through_center(pixel % width, pixel / width);
       CountingObserver counts;
       (void)trace(octree, GridRay(ray.origin, ray.direction), traversal, counts);
       visits[pixel] = static_cast<float>(counts.visits);
@@ -58,9 +49,7 @@ Image traversal_heat_map(const VoxelTree& tree, const Camera& camera, std::size_
       level[pixel] = static_cast<float>(counts.level);
     }
   });
-  const float most = std::max(1.0F, *std::ranges::max_element(show));
-  for (std::size_t pixel = 0; pixel < image.pixels(); ++pixel)
-    image.set_rgb(pixel, heat(show[pixel] / most));
+  paint_heat(image, shown);
   return image;
 }
 

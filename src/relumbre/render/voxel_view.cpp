@@ -98,7 +98,8 @@ Image render_voxels(const VoxelTree& tree, const Camera& camera, const VoxelView
   check_config(config);
   const std::array<std::string, 8> names{"R", "G", "B", "A", "Z", "N.X", "N.Y", "N.Z"};
   Image image(config.width, config.height, names);
-  const GridRays rays(tree, camera, config.width, config.height, config.detail);
+  const GridRays rays(tree.cube(), tree.depth(), camera, config.width, config.height,
+                      config.detail);
   const Caster cast = config.traversal ? words_caster(tree, *config.traversal) : fast_caster(tree);
   const VoxelShader shader(tree, config.shading, config.smooth);
   const auto alpha = image.channel("A"), z = image.channel("Z");
@@ -128,9 +129,8 @@ Image render_voxels(const VoxelTree& tree, const Camera& camera, const VoxelView
   return image;
 }
 
-Camera voxel_camera(const VoxelTree& tree) {
+Camera voxel_camera(const Cube& cube) {
   constexpr float vfov_deg = 35;
-  const Cube& cube = tree.cube();
   const Vec3f center(cube.corner + Vec3d(cube.edge / 2));
   const float radius = 0.62F * static_cast<float>(cube.edge);
   const float half_angle = vfov_deg / 2 * std::numbers::pi_v<float> / 180;

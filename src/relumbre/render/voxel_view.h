@@ -36,6 +36,6 @@ Image render_voxels(const VoxelTree& tree, const Camera& camera, const VoxelView
                     Progress& progress = no_progress());
 
 /// Looks at the cube from three quarters above, so that all of it is seen.
-Camera voxel_camera(const VoxelTree& tree);
+Camera voxel_camera(const Cube& cube);
 
 }  // namespace relumbre

@@ -202,7 +202,7 @@ TEST(VoxelView, TheAutomaticCameraSeesAllOfTheCube) {
       build_tree(cube, 5, Separating::k26, voxelize(mesh, cube, {.depth = 5, .surface = {}}));
   VoxelViewConfig config = small_view(VoxelShading::kLit);
   config.width = 200, config.height = 150;
-  const Image image = render_voxels(tree, voxel_camera(tree), config);
+  const Image image = render_voxels(tree, voxel_camera(tree.cube()), config);
   for (std::size_t i = 0; i < image.pixels(); ++i) {
     const std::size_t x = i % 200, y = i / 200;
     const bool is_edge = x == 0 || y == 0 || x == 199 || y == 149;
