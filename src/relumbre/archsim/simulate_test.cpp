@@ -42,25 +42,32 @@ TEST(Simulate, NothingReadHasAHitRateOfZero) {
   EXPECT_EQ(hit_rate(result.total.levels[0]), 0.0);
 }
 
-TEST(Simulate, OnePassOverAllSizesCountsWhatAPassForEachDoes) {
-  const std::vector<std::uint64_t> lines{4096, 1, 64, 512, 64, 32'768};
-  for (const int levels : {1, 3, 6, 9, 12, kMaxTraceLevels}) {
-    const TraceShape shape{45, 31, levels};
-    const Trace trace = random_trace(shape, static_cast<std::uint64_t>(levels));
-    for (const std::uint32_t gts : {1U, 2U, 3U, 7U, 2000U})
-      for (const std::uint32_t tile : {1U, 2U, 10U, 40U, 100U}) {
-        if (gts == 2000 && tile > 1) continue;
-        MachineConfig config{.gts = gts, .tile = tile};
-        const auto all = simulate_lines(trace, config, lines);
-        ASSERT_EQ(all.size(), lines.size());
-        for (std::size_t i = 0; i < lines.size(); ++i) {
-          if (gts == 2000 && lines[i] != 64) continue;
-          config.lines = lines[i];
-          ASSERT_EQ(all[i], simulate(trace, config))
-              << levels << " levels, " << gts << " units, tile " << tile << ", " << lines[i];
-        }
-      }
+void expect_one_pass_to_be_many(const Trace& trace, MachineConfig config,
+                                const std::vector<std::uint64_t>& lines) {
+  const auto all = simulate_lines(trace, config, lines);
+  ASSERT_EQ(all.size(), lines.size());
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    config.lines = lines[i];
+    ASSERT_EQ(all[i], simulate(trace, config))
+        << trace.shape().levels << " levels, " << config.gts << " units, tile " << config.tile
+        << ", " << lines[i] << " lines";
   }
+}
+
+TEST(Simulate, OnePassOverAllSizesCountsWhatAPassForEachDoes) {
+  for (const int levels : {1, 3, 6, 9, 12, kMaxTraceLevels}) {
+    const Trace trace = random_trace({45, 31, levels}, static_cast<std::uint64_t>(levels));
+    for (const std::uint32_t gts : {1U, 2U, 3U, 7U})
+      for (const std::uint32_t tile : {1U, 2U, 10U, 40U, 100U})
+        expect_one_pass_to_be_many(trace, {.gts = gts, .tile = tile}, {4096, 1, 64, 512, 64});
+    expect_one_pass_to_be_many(trace, {.gts = 2}, {262'144, 32'768});
+  }
+}
+
+TEST(Simulate, ThereMayBeMoreUnitsThanTiles) {
+  const Trace trace = random_trace({45, 31, 6}, 1);
+  expect_one_pass_to_be_many(trace, {.gts = 2000, .tile = 1}, {64, 8});
+  expect_one_pass_to_be_many(trace, {.gts = 5, .tile = 100}, {64, 8});
 }
 
 TEST(Simulate, EveryReadAndTaskBelongsToAUnit) {

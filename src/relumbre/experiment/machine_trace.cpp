@@ -9,6 +9,8 @@ namespace relumbre {
 
 namespace {
 
+static_assert(kMaxDepth <= kMaxTraceLevels);
+
 /// An observer of traversals that writes a row of a trace.
 struct RowObserver {
   TraceRecorder::Row& row;

@@ -139,8 +139,8 @@ inline void push_children(Lifo& lifo, const Octree& octree, const Task& task, co
 }  // namespace geometry_unit_detail
 
 /// The nearest voxel that the ray meets, in the order above. Origin and direction in voxels of the
-/// deepest level. Visits: tasks popped, voxels too, met or not. Some 8 tasks and 20 divisions a
-/// level that is descended.
+/// deepest level. Visits: tasks popped, voxels too, met or not: some 4 for each node that is read,
+/// of up to 6 divisions each.
 template <TraversalObserver Observer = NoObserver>
 std::optional<GeometryHit> trace_geometry_unit(const Octree& octree, const Vec3d& origin,
                                                const Vec3d& direction, Observer&& observer = {}) {
