@@ -12,6 +12,7 @@ find_package(nlohmann_json REQUIRED)
 find_package(HDF5 REQUIRED COMPONENTS C)
 find_package(BLAS REQUIRED)
 find_package(Boost 1.71 REQUIRED) # only Boost.Math's headers
+find_path(RELUMBRE_TOMLPLUSPLUS toml++/toml.h REQUIRED) # headers only
 pkg_check_modules(HWY REQUIRED IMPORTED_TARGET libhwy)
 
 # Embree 4 where the system has it, else 3: visibility/embree.h hides the difference.
