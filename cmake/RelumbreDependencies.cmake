@@ -11,6 +11,8 @@ find_package(assimp REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(HDF5 REQUIRED COMPONENTS C)
 find_package(BLAS REQUIRED)
+find_package(Boost 1.71 REQUIRED) # only Boost.Math's headers
+find_path(RELUMBRE_TOMLPLUSPLUS toml++/toml.h REQUIRED) # headers only
 pkg_check_modules(HWY REQUIRED IMPORTED_TARGET libhwy)
 pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
 
