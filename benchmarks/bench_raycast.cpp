@@ -14,10 +14,9 @@
 #include "relumbre/octree/cast_kernels.h"
 #include "relumbre/octree/traverse.h"
 #include "relumbre/octree/tree_cast.h"
-#include "relumbre/octree/voxel_tree_builder.h"
-#include "relumbre/octree/voxelize.h"
 #include "relumbre/render/camera_rays.h"
 #include "report.h"
+#include "voxel_scene.h"
 
 namespace relumbre::bench {
 namespace {
@@ -33,14 +32,6 @@ struct Rays {
   double pixel = 0;  ///< voxels that one is wide, per t; none of diffuse rays
 };
 
-VoxelTree build(const Scene& scene, unsigned depth) {
-  const Cube cube = cube_around(bounds(scene.mesh.positions));
-  VoxelTreeBuilder builder(cube, depth, Separating::k26);
-  voxelize(scene.mesh, cube, {.depth = depth, .surface = {}},
-           [&](VoxelBlocks&& blocks) { builder.add(blocks); });
-  return builder.finish();
-}
-
 void add(Rays& rays, const VoxelTree& tree, const Ray& ray) {
   const double scale = std::ldexp(1.0, static_cast<int>(tree.depth())) / tree.cube().edge;
   rays.metres.push_back(ray);
@@ -50,9 +41,7 @@ void add(Rays& rays, const VoxelTree& tree, const Ray& ray) {
 
 Rays primary_rays(const Scene& scene, const VoxelTree& tree) {
   constexpr std::size_t kTile = 16;
-  Camera view = auto_camera(scene);
-  view.eye = view.target + (view.eye - view.target) * 0.45F;  // it leaves most of the picture empty
-  const CameraRays camera(view, kWidth, kHeight);
+  const CameraRays camera(near_camera(scene), kWidth, kHeight);
   Rays rays;
   rays.pixel = std::ldexp(1.0, static_cast<int>(tree.depth())) / tree.cube().edge /
                camera.pixels_per_tangent();
@@ -243,7 +232,7 @@ class Contest {
 void compare(Report& report, const std::string& name, const Scene& scene, unsigned depth) {
   const std::string label = fmt::format("{}, depth {}", name, depth);
   if (report.option("only", label) != label) return;
-  const VoxelTree tree = build(scene, depth);
+  const VoxelTree tree = build_voxels(scene, {.depth = depth, .surface = {}});
   report.figure(label + ": bytes a voxel",
                 static_cast<double>(tree.geometry_bytes()) / static_cast<double>(tree.voxels()),
                 "");
@@ -255,7 +244,7 @@ void compare(Report& report, const std::string& name, const Scene& scene, unsign
 
 /// Random rays through the cube at depth 7.
 void check_random(Report& report, const Scene& scene) {
-  const VoxelTree tree = build(scene, 7);
+  const VoxelTree tree = build_voxels(scene, {.depth = 7, .surface = {}});
   const Octree words = words_of(tree);
   std::vector<CastRay> rays(1'000'000);
   for (std::size_t i = 0; i < rays.size(); ++i) {

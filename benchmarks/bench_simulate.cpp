@@ -19,10 +19,11 @@
 #include "relumbre/base/parallel.h"
 #include "relumbre/base/temporary_folder.h"
 #include "relumbre/experiment/machine_trace.h"
+#include "relumbre/experiment/word_scene.h"
 #include "relumbre/octree/geometry_unit.h"
-#include "relumbre/octree/voxel_tree_builder.h"
-#include "relumbre/octree/voxelize.h"
+#include "relumbre/render/grid_rays.h"
 #include "report.h"
+#include "voxel_scene.h"
 
 namespace relumbre::bench {
 namespace {
@@ -30,33 +31,15 @@ namespace {
 constexpr std::uint32_t kWidth = 1280, kHeight = 720;
 constexpr std::array<std::uint64_t, 4> kLines{512, 4096, 32'768, 262'144};
 
-struct Sight {
-  Octree octree;
-  Cube cube;
-  Camera camera;
-};
-
-Sight make_sight(const Scene& scene, unsigned depth) {
-  const Cube cube = cube_around(bounds(scene.mesh.positions));
-  VoxelTreeBuilder builder(cube, depth, Separating::k26);
-  voxelize(scene.mesh, cube, {.depth = depth, .surface = {}},
-           [&](VoxelBlocks&& blocks) { builder.add(blocks); });
-  std::vector<std::uint64_t> codes;
-  for_each_voxel(builder.finish(),
-                 [&](std::uint64_t code, std::uint64_t) { codes.push_back(code); });
-  Camera camera = auto_camera(scene);  // it leaves most of the picture empty
-  camera.eye = camera.target + (camera.eye - camera.target) * 0.45F;
-  return {Octree(codes, static_cast<int>(depth)), cube, camera};
-}
-
 /// The rays of machine_trace() and nothing else. Returns how many hit.
-std::size_t cast_alone(const Sight& sight) {
-  const PixelRays rays(sight.cube, sight.octree.depth(), sight.camera, kWidth, kHeight);
+std::size_t cast_alone(const WordScene& scene, const Camera& camera) {
+  const GridRays rays(scene.cube, static_cast<unsigned>(scene.octree.depth()), camera, kWidth,
+                      kHeight);
   std::vector<std::size_t> hits(kHeight);
   parallel_for(0, kHeight, 1, [&](std::size_t y) {
     for (std::uint32_t x = 0; x < kWidth; ++x) {
-      const auto ray = rays.through(x, static_cast<std::uint32_t>(y));
-      hits[y] += trace_geometry_unit(sight.octree, ray.origin, ray.direction).has_value();
+      const CastRay ray = rays.through_center(x, y);
+      hits[y] += trace_geometry_unit(scene.octree, ray.origin, ray.direction).has_value();
     }
   });
   return std::accumulate(hits.begin(), hits.end(), std::size_t{0});
@@ -103,14 +86,15 @@ void tabulate_fetches(Report& report, const std::string& label, const Trace& tra
 void measure(Report& report, const Scene& scene, unsigned depth) {
   const std::string label = fmt::format("bunny, depth {}", depth);
   report.heading(label);
-  const Sight sight = make_sight(scene, depth);
+  const WordScene words = word_scene(scene.mesh, depth, Separating::k26);
+  const Camera camera = near_camera(scene);
   std::optional<Trace> trace;
   std::size_t hits = 0;
   const auto record = [&] {
-    trace.emplace(machine_trace(sight.octree, sight.cube, sight.camera, {kWidth, kHeight}));
+    trace.emplace(machine_trace(words.octree, words.cube, camera, {kWidth, kHeight}));
   };
   const std::vector<std::function<void()>> runs = {
-      [&] { hits = cast_alone(sight); }, record,
+      [&] { hits = cast_alone(words, camera); }, record,
       [&] { record(), (void)simulate_lines(*trace, {.gts = 2}, kLines); }};
   const std::vector<double> seconds = median_seconds(runs, 3);
   report.figure(label + ": rays that hit", static_cast<double>(hits), "");

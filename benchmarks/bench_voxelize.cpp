@@ -5,9 +5,9 @@
 
 #include "packed_scene.h"
 #include "relumbre/octree/voxel_tree_builder.h"
-#include "relumbre/octree/voxelize.h"
 #include "report.h"
 #include "textbook_voxelizer.h"
+#include "voxel_scene.h"
 
 namespace relumbre::bench {
 namespace {
@@ -16,13 +16,6 @@ SurfaceSampler materials(const Scene& scene) {
   return [&scene](std::uint32_t t, float u, float v) {
     return SurfaceSample{scene.reflectance(t, u, v), scene.mesh.scaled_normal(t)};
   };
-}
-
-VoxelTree build(const Scene& scene, const VoxelizeConfig& config) {
-  const Cube cube = cube_around(bounds(scene.mesh.positions));
-  VoxelTreeBuilder builder(cube, config.depth, config.separating);
-  voxelize(scene.mesh, cube, config, [&](VoxelBlocks&& blocks) { builder.add(blocks); });
-  return builder.finish();
 }
 
 VoxelTree build_textbook(const Scene& scene, unsigned depth) {
@@ -45,8 +38,8 @@ void compare(Report& report, const std::string& name, const Scene& scene, unsign
   colored.surface = materials(scene);
   VoxelTree ours, peer;
   const std::function<void()> candidates[] = {
-      [&] { ours = build(scene, conservative); }, [&] { build(scene, thin); },
-      [&] { build(scene, colored); }, [&] { peer = build_textbook(scene, depth); }};
+      [&] { ours = build_voxels(scene, conservative); }, [&] { build_voxels(scene, thin); },
+      [&] { build_voxels(scene, colored); }, [&] { peer = build_textbook(scene, depth); }};
   const std::vector<double> seconds = median_seconds(candidates, 5);
   const char* const kinds[] = {"conservative", "thin", "with colours and normals"};
   for (std::size_t i = 0; i < 3; ++i) {
@@ -60,7 +53,7 @@ void compare(Report& report, const std::string& name, const Scene& scene, unsign
 }
 
 void report_size(Report& report, const std::string& name, const Scene& scene, unsigned depth) {
-  const VoxelTree tree = build(scene, {.depth = depth, .surface = {}});
+  const VoxelTree tree = build_voxels(scene, {.depth = depth, .surface = {}});
   const auto voxels = static_cast<double>(tree.voxels());
   report.figure(fmt::format("{}, depth {}: voxels", name, depth), voxels, "");
   report.figure(fmt::format("{}, depth {}: geometry", name, depth),
