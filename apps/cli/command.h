@@ -64,5 +64,6 @@ void add_dof_command(CLI::App& app);
 void add_voxelize_command(CLI::App& app);
 void add_raycast_command(CLI::App& app);
 void add_simulate_command(CLI::App& app);
+void add_experiment_command(CLI::App& app);
 
 }  // namespace relumbre::cli

@@ -24,6 +24,7 @@ void add_commands(CLI::App& app) {
   cli::add_voxelize_command(app);
   cli::add_raycast_command(app);
   cli::add_simulate_command(app);
+  cli::add_experiment_command(app);
 }
 
 int fail(int status, std::string_view message) {

@@ -22,6 +22,16 @@ class Progress {
   void check() const;
 };
 
+/// For parts of a stage: hears that the work should stop, and tells nothing.
+class QuietProgress : public Progress {
+ public:
+  explicit QuietProgress(const Progress& whole) : whole_(whole) {}
+  [[nodiscard]] bool cancelled() const override { return whole_.cancelled(); }
+
+ private:
+  const Progress& whole_;
+};
+
 /// A Progress that ignores everything.
 Progress& no_progress();
 

@@ -47,13 +47,13 @@ std::string to_string(const PlannedTraversal& traversal) {
   return fmt::format("short-stack({})", traversal->stack_nodes);
 }
 
-std::string to_string(PlanReplacement replacement) {
+std::string to_string(Replacement replacement) {
   switch (replacement) {
-    case PlanReplacement::kLru:
+    case Replacement::kLru:
       return "lru";
-    case PlanReplacement::kFifo:
+    case Replacement::kFifo:
       return "fifo";
-    case PlanReplacement::kRandom:
+    case Replacement::kRandom:
       break;
   }
   return "random";

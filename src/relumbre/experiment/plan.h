@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "relumbre/archsim/cache.h"
 #include "relumbre/octree/traverse.h"
 
 namespace relumbre {
@@ -32,9 +33,8 @@ using PlannedTraversal = std::optional<Traversal>;
 /// "gt", "restart", "backtrack", "full-stack", "short-stack(8)"
 std::string to_string(const PlannedTraversal& traversal);
 
-enum class PlanReplacement { kLru, kFifo, kRandom };
 /// "lru", "fifo", "random"
-std::string to_string(PlanReplacement replacement);
+std::string to_string(Replacement replacement);
 
 struct ExperimentPlan {
   std::string title = "Experiment";
@@ -50,7 +50,7 @@ struct ExperimentPlan {
   std::string camera = "auto";        ///< as the plan has it: "auto" or a path
   std::filesystem::path camera_file;  ///< empty: automatic
   std::uint64_t ways = 1;             ///< of the caches; 0: fully associative
-  PlanReplacement replacement = PlanReplacement::kLru;
+  Replacement replacement = Replacement::kLru;
 };
 
 /// One cell: an index into each factor.

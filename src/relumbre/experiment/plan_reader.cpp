@@ -192,10 +192,10 @@ std::uint64_t read_ways(const Fields& fields, const toml::node& node,
   return ways;
 }
 
-PlanReplacement read_replacement(const Fields& fields, const toml::node& node) {
+Replacement read_replacement(const Fields& fields, const toml::node& node) {
   const std::string text = fields.text("replacement", node);
   for (const auto replacement :
-       {PlanReplacement::kLru, PlanReplacement::kFifo, PlanReplacement::kRandom})
+       {Replacement::kLru, Replacement::kFifo, Replacement::kRandom})
     if (text == to_string(replacement)) return replacement;
   fields.fail(node, fmt::format("machine.replacement: \"{}\" is none of lru, fifo, random",
                                 printable(text)));

@@ -75,7 +75,7 @@ replacement = "random"
   EXPECT_EQ(plan.separating, 6);
   EXPECT_TRUE(plan.camera_file.empty());
   EXPECT_EQ(plan.ways, 0u);
-  EXPECT_EQ(plan.replacement, PlanReplacement::kRandom);
+  EXPECT_EQ(plan.replacement, Replacement::kRandom);
 }
 
 TEST(Plan, TheMachineHasDefaults) {
