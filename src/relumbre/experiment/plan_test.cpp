@@ -119,7 +119,16 @@ TEST(Plan, ErrorsNameFileLineAndKey) {
   EXPECT_EQ(refusal("factors = 3"), "plan.toml:1: factors is no table: write [factors]");
   EXPECT_THAT(refusal("[factors\n"), StartsWith("plan.toml:1: "));
   EXPECT_THAT(refusal(kFactors + "[factors]\n"), StartsWith("plan.toml:7: "));
+  EXPECT_THAT(refusal("[^a]\n"), StartsWith("plan.toml:"));
   EXPECT_THAT(refusal(std::string("\xff\xfe\0", 3)), StartsWith("plan.toml:1: "));
+}
+
+TEST(Plan, NamesMayHaveAnyLetters) {
+  EXPECT_EQ(parse("# ñ\ntitle = \"se\\\"ñor ~ ~c3 \\u00f1\" # ñ\n" + kFactors).title,
+            "se\"ñor ~ ~c3 ñ");
+  EXPECT_EQ(parse("title = '''€\n😀'''\n" + kFactors).title, "€\n😀");
+  EXPECT_THAT(refusal("título = 1\n"), StartsWith("plan.toml:1: "));
+  EXPECT_EQ(refusal("\"título\" = 1\n" + kFactors), "plan.toml:1: unknown key título");
 }
 
 TEST(Plan, RefusesLevelsThatCannotBe) {

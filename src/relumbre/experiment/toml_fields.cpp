@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "relumbre/base/error.h"
+#include "relumbre/experiment/ascii_form.h"
 
 namespace relumbre::toml_fields {
 
@@ -32,10 +33,13 @@ std::string printable(std::string_view text) {
 }
 
 toml::table parse(std::string_view text, const std::string& file) {
+  // Outside of strings, toml++ 3.3 runs into undefined behaviour over letters beyond ASCII.
   try {
-    return toml::parse(text, file);
+    return toml::parse(ascii_form(text), file);
   } catch (const toml::parse_error& error) {
-    throw FileError(file, line_of(error.source()), printable(error.description()));
+    throw FileError(file, line_of(error.source()), printable(from_ascii_form(error.description())));
+  } catch (const std::logic_error&) {  // see checked_toml.h
+    throw FileError(file, "this is no TOML: a key or a value begins with what none can begin with");
   }
 }
 
@@ -46,8 +50,9 @@ void Fields::fail(const toml::node& at, const std::string& reason) const {
 void Fields::allow_only(std::span<const std::string_view> keys) const {
   for (const auto& [key, node] : table)
     if (std::ranges::find(keys, key.str()) == keys.end())
-      throw FileError(file, line_of(key.source()),
-                      fmt::format("unknown key {}{}", prefix, printable(key.str())));
+      throw FileError(
+          file, line_of(key.source()),
+          fmt::format("unknown key {}{}", prefix, printable(from_ascii_form(key.str()))));
 }
 
 const toml::node* Fields::find(std::string_view key) const { return table.get(key); }
@@ -71,7 +76,7 @@ std::string Fields::text(std::string_view key, const toml::node& node) const {
   const auto value = node.value_exact<std::string>();
   if (!value)
     fail(node, fmt::format("{}{}: expected a string, found {}", prefix, key, type_of(node)));
-  return *value;
+  return from_ascii_form(*value);
 }
 
 void Fields::for_each(std::string_view key, const toml::node& node,

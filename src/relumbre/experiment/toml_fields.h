@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include <toml++/toml.h>
+#include "relumbre/experiment/checked_toml.h"
 
 namespace relumbre::toml_fields {
 

@@ -1,0 +1,17 @@
+/// What an analysis says, in words.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "relumbre/experiment/analysis.h"
+
+namespace relumbre {
+
+/// Sentences, as HTML, that follow from the numbers by fixed rules: the share of the variance that
+/// each factor explains (η²; "large" from 14 %, "medium" from 6 %, "small" from 1 %, as Cohen 1988
+/// has it), whether ranks agree (ε²), by how much the response changes when a factor alone does,
+/// and whether the analysis of variance rests on what it assumes.
+std::vector<std::string> readings(const ResponseAnalysis& analysis);
+
+}  // namespace relumbre
