@@ -39,8 +39,8 @@ std::vector<std::pair<std::string, std::string>> facts(const ExperimentPlan& pla
                          : fmt::format("{} ways, {}", plan.ways, to_string(plan.replacement))}};
 }
 
-void write_report(const ExperimentPlan& plan, const Options& options, std::span<const Cell> cells,
-                  Session& session) {
+void write_report(const ExperimentPlan& plan, const Options& options,
+                  std::span<const ExperimentCell> cells, Session& session) {
   const fs::path folder = options.folder;
   const relumbre::Report report =
       make_report({.title = plan.title,
@@ -53,9 +53,9 @@ void write_report(const ExperimentPlan& plan, const Options& options, std::span<
     write_file(folder / "figures" / (named.name + ".svg"), to_svg(named.figure));
   write_file(folder / "report.html", report.html);
   session.report.figure("cells_csv", "cells", (folder / "cells.csv").string());
-  session.report.figure("figures", "figures", report.figures.size(),
-                        fmt::format("{} in {}", report.figures.size(),
-                                    (folder / "figures").string()));
+  session.report.figure(
+      "figures", "figures", report.figures.size(),
+      fmt::format("{} in {}", report.figures.size(), (folder / "figures").string()));
   session.report.figure("report", "report", (folder / "report.html").string());
 }
 
@@ -70,7 +70,7 @@ void run(const Options& options, Session& session) {
                           grouped(run.found_before));
   session.report.figure("run_s", "run in", watch.seconds(), seconds_text(watch.seconds()));
   std::uint64_t reads = 0;
-  for (const Cell& cell : run.cells) reads += cell_reads(cell);
+  for (const ExperimentCell& cell : run.cells) reads += cell_reads(cell);
   session.report.figure("reads", "reads simulated", reads, grouped(reads));
   write_report(plan, options, run.cells, session);
 }

@@ -62,9 +62,9 @@ std::vector<SceneReads> count_scene_reads(const ExperimentPlan& plan, Progress& 
     const Scene scene = planned_scene(planned);
     const WordScene words =
         planned_words(plan, scene, planned.name, depth_nearest(plan.depths, kDepth), quiet);
-    const Trace trace = machine_trace(
-        words.octree, words.cube, planned_camera(plan, words.cube),
-        {resolution.width, resolution.height, plan.traversals.front()}, quiet);
+    const Trace trace =
+        machine_trace(words.octree, words.cube, planned_camera(plan, words.cube),
+                      {resolution.width, resolution.height, plan.traversals.front()}, quiet);
     all.push_back({planned.name, count_node_reads(trace)});
     progress.advance(1);
   }

@@ -194,8 +194,7 @@ std::uint64_t read_ways(const Fields& fields, const toml::node& node,
 
 Replacement read_replacement(const Fields& fields, const toml::node& node) {
   const std::string text = fields.text("replacement", node);
-  for (const auto replacement :
-       {Replacement::kLru, Replacement::kFifo, Replacement::kRandom})
+  for (const auto replacement : {Replacement::kLru, Replacement::kFifo, Replacement::kRandom})
     if (text == to_string(replacement)) return replacement;
   fields.fail(node, fmt::format("machine.replacement: \"{}\" is none of lru, fifo, random",
                                 printable(text)));

@@ -15,7 +15,7 @@ struct ReportInput {
   std::string title;
   /// What was run, as name and value: "plan" → "thesis.toml", "version" → "0.1.0" …
   std::vector<std::pair<std::string, std::string>> facts;
-  std::span<const Cell> cells;
+  std::span<const ExperimentCell> cells;
   /// Figures that cells do not have the data for, such as reads per node address.
   std::vector<NamedFigure> more_figures;
 };

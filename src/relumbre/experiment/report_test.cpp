@@ -25,7 +25,7 @@ using testing::HasSubstr;
 using testing::Not;
 using testing::StartsWith;
 
-double fetches(const Cell& cell) { return static_cast<double>(cell_fetches(cell)); }
+double fetches(const ExperimentCell& cell) { return static_cast<double>(cell_fetches(cell)); }
 
 const CellGrid kSmall{
     {"teapot", "a, \"quoted\" <scene>"}, {5, 7}, {2, 20}, {512, 4096}, {{64, 48}, {80, 60}}};
@@ -45,17 +45,17 @@ std::size_t count_of(const std::string& text, const std::string& what) {
   return count;
 }
 
-TEST(Cell, SumsByHand) {
-  const Cell cell{"s", "gt", 2, 4, 3, 1, 2, 512, 40, {{10, 9, 0, 1}, {30, 21, 3, 6}}};
+TEST(ExperimentCell, SumsByHand) {
+  const ExperimentCell cell{"s", "gt", 2, 4, 3, 1, 2, 512, 40, {{10, 9, 0, 1}, {30, 21, 3, 6}}};
   EXPECT_EQ(cell_reads(cell), 40u);
   EXPECT_EQ(cell_fetches(cell), 10u);
   EXPECT_EQ(cell_hit_rate(cell), 0.75);
-  EXPECT_EQ(cell_hit_rate(Cell{}), 0);
+  EXPECT_EQ(cell_hit_rate(ExperimentCell{}), 0);
   EXPECT_EQ(cell_resolution(cell), "4x3");
 }
 
 TEST(CellsCsv, ReadsBackExactly) {
-  const std::vector<Cell> cells = made_up_cells(kSmall);
+  const std::vector<ExperimentCell> cells = made_up_cells(kSmall);
   const std::string csv = cells_to_csv(cells);
   EXPECT_EQ(parse_cells_csv(csv, "cells.csv"), cells);
   EXPECT_EQ(cells_to_csv(parse_cells_csv(csv, "cells.csv")), csv);
@@ -98,7 +98,7 @@ TEST(CellsCsv, RefusesDamage) {
 }
 
 TEST(ResponseTable, HasTheFactorsThatVary) {
-  const std::vector<Cell> cells = made_up_cells(kSmall);
+  const std::vector<ExperimentCell> cells = made_up_cells(kSmall);
   const Table table = response_table(cells, "M", fetches);
   std::vector<std::string> names;
   for (const Factor& factor : table.factors) names.push_back(factor.name);
@@ -109,10 +109,10 @@ TEST(ResponseTable, HasTheFactorsThatVary) {
 }
 
 TEST(Analysis, AFactorThatChangesNothingSaysSo) {
-  std::vector<Cell> cells = made_up_cells(kSmall);
-  for (Cell& cell : cells) {  // as if tiles were all of one size
-    Cell same{cell.scene, cell.traversal, cell.depth, cell.width, cell.height, cell.gts,
-              2,          cell.lines,     0,          {}};
+  std::vector<ExperimentCell> cells = made_up_cells(kSmall);
+  for (ExperimentCell& cell : cells) {  // as if tiles were all of one size
+    ExperimentCell same{cell.scene, cell.traversal, cell.depth, cell.width, cell.height, cell.gts,
+                        2,          cell.lines,     0,          {}};
     cell.levels = made_up_cell(same, 0.3).levels;
   }
   const ResponseAnalysis analysis = analyse_response(response_table(cells, "M", fetches));
@@ -156,7 +156,7 @@ TEST(Html, NumbersAreShort) {
 }
 
 TEST(Report, IsWellFormedAndLoadsNothing) {
-  const std::vector<Cell> cells = made_up_cells(kSmall);
+  const std::vector<ExperimentCell> cells = made_up_cells(kSmall);
   const Report report = make_report({"A <title>", {{"plan", "a&b.toml"}}, cells, {}});
   std::string xml = report.html.substr(report.html.find('\n') + 1);  // without the doctype
   const std::size_t style = xml.find("<style>"), end = xml.find("</style>");
@@ -177,7 +177,7 @@ TEST(Report, IsWellFormedAndLoadsNothing) {
 }
 
 TEST(Report, IsTheSameForTheSameCells) {
-  const std::vector<Cell> cells = made_up_cells(kSmall);
+  const std::vector<ExperimentCell> cells = made_up_cells(kSmall);
   EXPECT_EQ(make_report({"t", {}, cells, {}}).html, make_report({"t", {}, cells, {}}).html);
 }
 
@@ -187,14 +187,14 @@ TEST(Report, SaysWhyWhereStatisticsAreNotPossible) {
   const CellGrid two{{"teapot"}, {5, 6}, {2}, {512}, {{64, 48}}};
   EXPECT_THAT(make_report({"t", {}, made_up_cells(two), {}}).html,
               HasSubstr("too few for a model"));
-  std::vector<Cell> nothing = made_up_cells(kSmall);
-  for (Cell& cell : nothing)
+  std::vector<ExperimentCell> nothing = made_up_cells(kSmall);
+  for (ExperimentCell& cell : nothing)
     for (CellLevel& level : cell.levels) level = {};
   EXPECT_THAT(make_report({"t", {}, nothing, {}}).html, HasSubstr("all 32 rows are 0"));
 }
 
 TEST(Report, HasFurtherFigures) {
-  const std::vector<Cell> cells = made_up_cells(kSmall);
+  const std::vector<ExperimentCell> cells = made_up_cells(kSmall);
   NamedFigure extra{"reads-per-address", {"Reads per address"}};
   extra.figure.panels = {Panel{"p", {"x"}, {"y"}, {{"", {{1, 2}}}}}};
   const Report report = make_report({"t", {}, cells, {extra}});
@@ -204,7 +204,7 @@ TEST(Report, HasFurtherFigures) {
 
 TEST(Report, RefusesNoCellsAndCellsWithoutTheirLevels) {
   EXPECT_THROW((void)make_report({"t", {}, {}, {}}), ValueError);
-  std::vector<Cell> cells = made_up_cells(kSmall);
+  std::vector<ExperimentCell> cells = made_up_cells(kSmall);
   cells[3].levels.pop_back();
   EXPECT_THROW((void)make_report({"t", {}, cells, {}}), ValueError);
 }

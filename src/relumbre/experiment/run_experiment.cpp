@@ -34,17 +34,18 @@ class ResultsFolder {
   }
 
   /// Finished cells, which begin the plan's.
-  [[nodiscard]] std::vector<Cell> cells() const {
-    return fs::exists(csv()) ? read_cells_csv(csv()) : std::vector<Cell>{};
+  [[nodiscard]] std::vector<ExperimentCell> cells() const {
+    return fs::exists(csv()) ? read_cells_csv(csv()) : std::vector<ExperimentCell>{};
   }
-  void save(std::span<const Cell> cells) const { write_file(csv(), cells_to_csv(cells)); }
+  void save(std::span<const ExperimentCell> cells) const { write_file(csv(), cells_to_csv(cells)); }
   [[nodiscard]] std::string csv() const { return (folder_ / "cells.csv").string(); }
 
  private:
   void claim(const std::string& hash) const {
     const fs::path label = folder_ / "experiment.json";
     if (!fs::exists(label)) {
-      if (fs::exists(csv())) throw FileError(csv(), "belongs to no plan: experiment.json is missing");
+      if (fs::exists(csv()))
+        throw FileError(csv(), "belongs to no plan: experiment.json is missing");
       write_file(label, nlohmann::json{{"plan", hash}}.dump(2) + "\n");
       return;
     }
@@ -52,15 +53,16 @@ class ResultsFolder {
     if (!json.is_object() || !json.contains("plan") || !json["plan"].is_string())
       throw FileError(label.string(), "is damaged");
     if (json["plan"] != hash)
-      throw FileError(folder_.string(),
-                      "holds the results of another plan, or of other meshes: choose another folder");
+      throw FileError(
+          folder_.string(),
+          "holds the results of another plan, or of other meshes: choose another folder");
   }
 
   fs::path folder_;
 };
 
 /// What a cell is before anything is counted.
-Cell labelled(const ExperimentPlan& plan, std::size_t index) {
+ExperimentCell labelled(const ExperimentPlan& plan, std::size_t index) {
   const PlannedCell at = cell_at(plan, index);
   return {.scene = plan.scenes[at.scene].name,
           .traversal = to_string(plan.traversals[at.traversal]),
@@ -72,12 +74,12 @@ Cell labelled(const ExperimentPlan& plan, std::size_t index) {
           .lines = plan.lines[at.lines]};
 }
 
-bool is_same_cell(Cell counted, const Cell& label) {
+bool is_same_cell(ExperimentCell counted, const ExperimentCell& label) {
   counted.tasks = 0, counted.levels.clear();
   return counted == label;
 }
 
-Cell counted(Cell label, const UnitCounters& total) {
+ExperimentCell counted(ExperimentCell label, const UnitCounters& total) {
   label.tasks = total.tasks;
   for (const CacheCounters& c : total.levels)
     label.levels.push_back({c.reads, c.hits, c.replacements, c.lines_used});
@@ -101,16 +103,14 @@ std::vector<Simulation> simulate_all_lines(const ExperimentPlan& plan, const Tra
 }
 
 /// All cells of one picture; the first is number `first` of the plan.
-std::vector<Cell> simulate_picture(const ExperimentPlan& plan, std::size_t first,
-                                   const Trace& trace) {
+std::vector<ExperimentCell> simulate_picture(const ExperimentPlan& plan, std::size_t first,
+                                             const Trace& trace) {
   const std::size_t lines = plan.lines.size(), machines = plan.gts.size() * plan.tiles.size();
-  std::vector<Cell> cells(machines * lines);
+  std::vector<ExperimentCell> cells(machines * lines);
   parallel_for(0, machines, 1, [&](std::size_t m) {
-    const Cell label = labelled(plan, first + m * lines);
-    const MachineConfig machine{.gts = label.gts,
-                                .tile = label.tile,
-                                .ways = plan.ways,
-                                .replacement = plan.replacement};
+    const ExperimentCell label = labelled(plan, first + m * lines);
+    const MachineConfig machine{
+        .gts = label.gts, .tile = label.tile, .ways = plan.ways, .replacement = plan.replacement};
     const std::vector<Simulation> all = simulate_all_lines(plan, trace, machine);
     for (std::size_t l = 0; l < lines; ++l)
       cells[m * lines + l] = counted(labelled(plan, first + m * lines + l), all[l].total);
@@ -165,10 +165,10 @@ class ExperimentRunner {
     const PlannedCell at = cell_at(plan_, first);
     const WordScene& words = words_of(at);
     const Resolution& resolution = plan_.resolutions[at.resolution];
-    const Trace trace =
-        machine_trace(words.octree, words.cube, planned_camera(plan_, words.cube),
-                      {resolution.width, resolution.height, plan_.traversals[at.traversal]}, quiet_);
-    std::vector<Cell> cells = simulate_picture(plan_, first, trace);
+    const Trace trace = machine_trace(
+        words.octree, words.cube, planned_camera(plan_, words.cube),
+        {resolution.width, resolution.height, plan_.traversals[at.traversal]}, quiet_);
+    std::vector<ExperimentCell> cells = simulate_picture(plan_, first, trace);
     progress_.check();
     std::ranges::move(cells, std::back_inserter(cells_));
   }
@@ -194,7 +194,7 @@ class ExperimentRunner {
   Progress& progress_;
   QuietProgress quiet_;
   std::size_t picture_;  ///< cells of one
-  std::vector<Cell> cells_;
+  std::vector<ExperimentCell> cells_;
   std::optional<std::size_t> scene_number_;
   Scene scene_;
   std::optional<WordScene> words_;

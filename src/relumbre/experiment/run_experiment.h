@@ -24,8 +24,8 @@
 namespace relumbre {
 
 struct ExperimentRun {
-  std::vector<Cell> cells;     ///< all of the plan's, in its order
-  std::size_t found_before = 0;  ///< cells that the folder had already
+  std::vector<ExperimentCell> cells;  ///< all of the plan's, in its order
+  std::size_t found_before = 0;       ///< cells that the folder had already
 };
 
 /// Makes the folder if need be. Progress counts pixels. Throws FileError for a folder that holds
