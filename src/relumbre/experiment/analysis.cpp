@@ -20,17 +20,17 @@ auto outcome_of(Compute compute) -> Outcome<decltype(compute())> {
 
 struct NamedFactor {
   const char* name;
-  std::string (*level)(const Cell&);
+  std::string (*level)(const ExperimentCell&);
 };
 
 constexpr NamedFactor kFactors[] = {
-    {"scene", [](const Cell& c) { return c.scene; }},
-    {"depth", [](const Cell& c) { return std::to_string(c.depth); }},
+    {"scene", [](const ExperimentCell& c) { return c.scene; }},
+    {"depth", [](const ExperimentCell& c) { return std::to_string(c.depth); }},
     {"resolution", cell_resolution},
-    {"traversal", [](const Cell& c) { return c.traversal; }},
-    {"gts", [](const Cell& c) { return std::to_string(c.gts); }},
-    {"tile", [](const Cell& c) { return std::to_string(c.tile); }},
-    {"lines", [](const Cell& c) { return std::to_string(c.lines); }},
+    {"traversal", [](const ExperimentCell& c) { return c.traversal; }},
+    {"gts", [](const ExperimentCell& c) { return std::to_string(c.gts); }},
+    {"tile", [](const ExperimentCell& c) { return std::to_string(c.tile); }},
+    {"lines", [](const ExperimentCell& c) { return std::to_string(c.lines); }},
 };
 
 /// The ranges of the response over the rows that agree in all factors but `varied`.
@@ -70,14 +70,14 @@ FactorAnalysis analyse_factor(const ResponseAnalysis& analysis, std::size_t f) {
 
 }  // namespace
 
-Table response_table(std::span<const Cell> cells, const std::string& name,
-                     double (*response)(const Cell&)) {
+Table response_table(std::span<const ExperimentCell> cells, const std::string& name,
+                     double (*response)(const ExperimentCell&)) {
   if (cells.empty()) throw ValueError("the experiment has no cells");
   Table table{name, {}, {}};
-  for (const Cell& cell : cells) table.values.push_back(response(cell));
+  for (const ExperimentCell& cell : cells) table.values.push_back(response(cell));
   for (const NamedFactor& named : kFactors) {
     std::vector<std::string> labels;
-    for (const Cell& cell : cells) labels.push_back(named.level(cell));
+    for (const ExperimentCell& cell : cells) labels.push_back(named.level(cell));
     Factor factor = make_factor(named.name, labels);
     if (factor.levels.size() > 1) table.factors.push_back(std::move(factor));
   }

@@ -47,8 +47,8 @@ struct ResponseAnalysis {
 /// The response of the cells as a table. Factors: scene, depth, resolution, traversal, gts, tile,
 /// lines; those of one level are left out. Levels are in the order in which they first appear.
 /// Throws ValueError without cells.
-Table response_table(std::span<const Cell> cells, const std::string& name,
-                     double (*response)(const Cell&));
+Table response_table(std::span<const ExperimentCell> cells, const std::string& name,
+                     double (*response)(const ExperimentCell&));
 
 /// Every statistic that the table allows; the reason for those that it does not.
 ResponseAnalysis analyse_response(Table table);

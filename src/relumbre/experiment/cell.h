@@ -13,7 +13,7 @@ struct CellLevel {
   friend bool operator==(const CellLevel&, const CellLevel&) = default;
 };
 
-struct Cell {
+struct ExperimentCell {
   // The levels of the factors.
   std::string scene, traversal;
   std::uint32_t depth = 0, width = 0, height = 0, gts = 1, tile = 0;
@@ -22,15 +22,16 @@ struct Cell {
   std::uint64_t tasks = 0;        ///< popped, over all units
   std::vector<CellLevel> levels;  ///< `depth` of them, the root's first
 
-  friend bool operator==(const Cell&, const Cell&) = default;
+  friend bool operator==(const ExperimentCell&, const ExperimentCell&) = default;
 };
 
-std::uint64_t cell_reads(const Cell& cell);    ///< words asked for: M of a machine without caches
-std::uint64_t cell_fetches(const Cell& cell);  ///< M: words fetched, Σ (reads − hits)
-double cell_hit_rate(const Cell& cell);        ///< L = Σ hits / Σ reads; 0 without reads
+std::uint64_t cell_reads(
+    const ExperimentCell& cell);  ///< words asked for: M of a machine without caches
+std::uint64_t cell_fetches(const ExperimentCell& cell);  ///< M: words fetched, Σ (reads − hits)
+double cell_hit_rate(const ExperimentCell& cell);  ///< L = Σ hits / Σ reads; 0 without reads
 double level_hit_rate(const CellLevel& level);
 
 /// "640x480"
-std::string cell_resolution(const Cell& cell);
+std::string cell_resolution(const ExperimentCell& cell);
 
 }  // namespace relumbre

@@ -34,7 +34,7 @@ std::string quoted(const std::string& text) {
   return out + '"';
 }
 
-std::string line_of(const Cell& cell, std::size_t levels) {
+std::string line_of(const ExperimentCell& cell, std::size_t levels) {
   std::string line =
       fmt::format("{},{},{},{},{},{},{},{},{},{},{},{}", quoted(cell.scene), cell.depth, cell.width,
                   cell.height, quoted(cell.traversal), cell.gts, cell.tile, cell.lines, cell.tasks,
@@ -108,7 +108,7 @@ class LineReader {
   bool ended_ = false;
 };
 
-void read_levels(LineReader& reader, Cell& cell) {
+void read_levels(LineReader& reader, ExperimentCell& cell) {
   for (std::uint32_t n = 0; n < cell.depth; ++n) {
     CellLevel level;
     level.reads = reader.number<std::uint64_t>("reads of a level");
@@ -122,8 +122,8 @@ void read_levels(LineReader& reader, Cell& cell) {
     if (!reader.text().empty()) reader.fail("a level that the octree does not have");
 }
 
-Cell read_cell(LineReader reader, std::size_t levels) {
-  Cell cell;
+ExperimentCell read_cell(LineReader reader, std::size_t levels) {
+  ExperimentCell cell;
   cell.scene = reader.text();
   cell.depth = reader.number<std::uint32_t>("depth");
   cell.width = reader.number<std::uint32_t>("width");
@@ -154,27 +154,27 @@ std::string_view next_line(std::string_view& text) {
 
 }  // namespace
 
-std::string cells_to_csv(std::span<const Cell> cells) {
+std::string cells_to_csv(std::span<const ExperimentCell> cells) {
   std::size_t levels = 0;
-  for (const Cell& cell : cells) levels = std::max(levels, cell.levels.size());
+  for (const ExperimentCell& cell : cells) levels = std::max(levels, cell.levels.size());
   std::string text = header(levels) + "\n";
-  for (const Cell& cell : cells) text += line_of(cell, levels) + "\n";
+  for (const ExperimentCell& cell : cells) text += line_of(cell, levels) + "\n";
   return text;
 }
 
-std::vector<Cell> parse_cells_csv(std::string_view text, const std::string& file) {
+std::vector<ExperimentCell> parse_cells_csv(std::string_view text, const std::string& file) {
   if (text.size() > kMostText) throw FileError(file, "the table exceeds 1 GiB");
   const std::string_view names = next_line(text);
   std::size_t levels = 0;
   while (levels < kMostDepth && header(levels) != names) ++levels;
   if (header(levels) != names) throw FileError(file, 1, "this is no table of cells");
-  std::vector<Cell> cells;
+  std::vector<ExperimentCell> cells;
   for (std::size_t number = 2; !text.empty(); ++number)
     cells.push_back(read_cell({next_line(text), file, number}, levels));
   return cells;
 }
 
-std::vector<Cell> read_cells_csv(const std::filesystem::path& file) {
+std::vector<ExperimentCell> read_cells_csv(const std::filesystem::path& file) {
   return parse_cells_csv(read_file(file, kMostText), file.string());
 }
 

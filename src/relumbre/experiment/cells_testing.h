@@ -33,7 +33,7 @@ inline CellLevel made_up_level(double rays, double cover, std::uint32_t n, doubl
   return level;
 }
 
-inline Cell made_up_cell(Cell cell, double cover) {
+inline ExperimentCell made_up_cell(ExperimentCell cell, double cover) {
   constexpr double kUpper[] = {8, 64, 512};
   const double rays = static_cast<double>(cell.width) * cell.height;
   for (std::uint32_t n = 0; n < cell.depth; ++n) {
@@ -44,14 +44,15 @@ inline Cell made_up_cell(Cell cell, double cover) {
   return cell;
 }
 
-inline std::vector<Cell> made_up_cells(const CellGrid& grid = {}) {
-  std::vector<Cell> cells;
+inline std::vector<ExperimentCell> made_up_cells(const CellGrid& grid = {}) {
+  std::vector<ExperimentCell> cells;
   for (std::size_t s = 0; s < grid.scenes.size(); ++s)
     for (const std::uint32_t depth : grid.depths)
       for (const auto& [width, height] : grid.resolutions)
         for (const std::uint32_t tile : grid.tiles)
           for (const std::uint64_t lines : grid.lines) {
-            const Cell cell{grid.scenes[s], "gt", depth, width, height, 8, tile, lines, 0, {}};
+            const ExperimentCell cell{grid.scenes[s], "gt",  depth, width, height, 8,
+                                      tile,           lines, 0,     {}};
             cells.push_back(made_up_cell(cell, 0.3 + 0.07 * static_cast<double>(s)));
           }
   return cells;

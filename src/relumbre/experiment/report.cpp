@@ -32,9 +32,9 @@ constexpr const char* kDefinitions =
     "whose nodes are records of pointers fetches a record of 32 bytes for every task "
     "(<i>naive, pointers</i>).</p>\n";
 
-void check(std::span<const Cell> cells) {
+void check(std::span<const ExperimentCell> cells) {
   if (cells.empty()) throw ValueError("a report needs cells");
-  for (const Cell& cell : cells)
+  for (const ExperimentCell& cell : cells)
     if (cell.levels.size() != cell.depth)
       throw ValueError(fmt::format("cell of scene \"{}\", depth {}: it has {} levels", cell.scene,
                                    cell.depth, cell.levels.size()));
@@ -44,12 +44,12 @@ class ReportWriter {
  public:
   explicit ReportWriter(const ReportInput& input) : input_(input) {}
 
-  Report write() {
+  ExperimentReport write() {
     body_ = "<h1>" + html::text(input_.title) + "</h1>\n";
     what_was_run();
     machines();
     response("M", "m", "words fetched",
-             [](const Cell& cell) { return static_cast<double>(cell_fetches(cell)); },
+             [](const ExperimentCell& cell) { return static_cast<double>(cell_fetches(cell)); },
              {"M (words fetched)", Scale::kLog10});
     response("L", "l", "hits / reads", cell_hit_rate, {"L (hits / reads)"});
     more_figures();
@@ -73,7 +73,7 @@ class ReportWriter {
   }
 
   void response(const std::string& name, const std::string& file, const std::string& unit,
-                double (*value)(const Cell&), const Axis& axis) {
+                double (*value)(const ExperimentCell&), const Axis& axis) {
     const ResponseAnalysis analysis = analyse_response(response_table(input_.cells, name, value));
     body_ += fmt::format("<h2>{}, {}</h2>\n", name, unit);
     if (analysis.table.factors.empty()) {
@@ -105,13 +105,13 @@ class ReportWriter {
   }
 
   const ReportInput& input_;
-  Report report_;
+  ExperimentReport report_;
   std::string body_;
 };
 
 }  // namespace
 
-Report make_report(const ReportInput& input) {
+ExperimentReport make_report(const ReportInput& input) {
   check(input.cells);
   return ReportWriter(input).write();
 }

@@ -30,27 +30,27 @@ class Means {
 };
 
 /// The distinct values of something of the cells, in the order in which they come first.
-std::vector<std::string> names_of(std::span<const Cell> cells,
-                                  const std::function<std::string(const Cell&)>& name) {
+std::vector<std::string> names_of(std::span<const ExperimentCell> cells,
+                                  const std::function<std::string(const ExperimentCell&)>& name) {
   std::vector<std::string> names;
-  for (const Cell& cell : cells)
+  for (const ExperimentCell& cell : cells)
     if (std::ranges::find(names, name(cell)) == names.end()) names.push_back(name(cell));
   return names;
 }
 
-std::vector<std::uint64_t> sorted_lines(std::span<const Cell> cells) {
+std::vector<std::uint64_t> sorted_lines(std::span<const ExperimentCell> cells) {
   std::set<std::uint64_t> lines;
-  for (const Cell& cell : cells) lines.insert(cell.lines);
+  for (const ExperimentCell& cell : cells) lines.insert(cell.lines);
   return {lines.begin(), lines.end()};
 }
 
-std::vector<std::uint32_t> sorted_depths(std::span<const Cell> cells) {
+std::vector<std::uint32_t> sorted_depths(std::span<const ExperimentCell> cells) {
   std::set<std::uint32_t> depths;
-  for (const Cell& cell : cells) depths.insert(cell.depth);
+  for (const ExperimentCell& cell : cells) depths.insert(cell.depth);
   return {depths.begin(), depths.end()};
 }
 
-Axis depth_axis(std::span<const Cell> cells) {
+Axis depth_axis(std::span<const ExperimentCell> cells) {
   Axis axis{"depth", Scale::kCategories};
   for (const std::uint32_t depth : sorted_depths(cells))
     axis.categories.push_back(std::to_string(depth));
@@ -62,14 +62,14 @@ double place_of(const std::vector<T>& sorted, const T& value) {
   return static_cast<double>(std::ranges::lower_bound(sorted, value) - sorted.begin());
 }
 
-Panel scene_panel(std::span<const Cell> cells, const std::string& scene, bool log) {
+Panel scene_panel(std::span<const ExperimentCell> cells, const std::string& scene, bool log) {
   const std::vector<std::uint64_t> lines = sorted_lines(cells);
   Panel panel{scene, {"cache lines of a deep level", Scale::kCategories}, {"M (words fetched)"}};
   if (log) panel.y.scale = Scale::kLog10;
   for (const std::uint64_t l : lines) panel.x.categories.push_back(std::to_string(l));
   for (const std::uint32_t depth : sorted_depths(cells)) {
     Means means;
-    for (const Cell& cell : cells)
+    for (const ExperimentCell& cell : cells)
       if (cell.scene == scene && cell.depth == depth)
         means.add(place_of(lines, cell.lines), static_cast<double>(cell_fetches(cell)));
     if (!means.points().empty())
@@ -79,9 +79,10 @@ Panel scene_panel(std::span<const Cell> cells, const std::string& scene, bool lo
 }
 
 /// Hits over reads of every level of the cells of a scene and a depth.
-Series level_series(std::span<const Cell> cells, const std::string& scene, std::uint32_t depth) {
+Series level_series(std::span<const ExperimentCell> cells, const std::string& scene,
+                    std::uint32_t depth) {
   std::vector<CellLevel> sums(depth);
-  for (const Cell& cell : cells) {
+  for (const ExperimentCell& cell : cells) {
     if (cell.scene != scene || cell.depth != depth) continue;
     for (std::size_t n = 0; n < sums.size(); ++n) {
       sums[n].reads += cell.levels[n].reads;
@@ -95,12 +96,12 @@ Series level_series(std::span<const Cell> cells, const std::string& scene, std::
   return series;
 }
 
-Panel hit_rate_panel(std::span<const Cell> cells) {
+Panel hit_rate_panel(std::span<const ExperimentCell> cells) {
   Panel panel{"hit rate", depth_axis(cells), {"L (hits / reads)"}};
   const std::vector<std::uint32_t> depths = sorted_depths(cells);
   for (const std::string& resolution : names_of(cells, cell_resolution)) {
     Means means;
-    for (const Cell& cell : cells)
+    for (const ExperimentCell& cell : cells)
       if (cell_resolution(cell) == resolution)
         means.add(place_of(depths, cell.depth), cell_hit_rate(cell));
     panel.series.push_back({resolution, means.points()});
@@ -108,7 +109,7 @@ Panel hit_rate_panel(std::span<const Cell> cells) {
   return panel;
 }
 
-Panel cache_size_panel(std::span<const Cell> cells) {
+Panel cache_size_panel(std::span<const ExperimentCell> cells) {
   Panel panel{"caches of one unit", depth_axis(cells), {"size (MB)", Scale::kLog10}};
   const std::vector<std::uint32_t> depths = sorted_depths(cells);
   for (const std::uint64_t lines : sorted_lines(cells)) {
@@ -118,6 +119,16 @@ Panel cache_size_panel(std::span<const Cell> cells) {
     panel.series.push_back(std::move(series));
   }
   return panel;
+}
+
+Point mean_of(std::span<const AddressReads> nodes) {
+  Point sum;
+  for (const AddressReads& node : nodes) {
+    sum.x += static_cast<double>(node.address);
+    sum.y += static_cast<double>(node.reads);
+  }
+  const auto count = static_cast<double>(nodes.size());
+  return {sum.x / count, sum.y / count};
 }
 
 }  // namespace
@@ -146,19 +157,20 @@ NamedFigure figure_by_factor(const ResponseAnalysis& analysis, const std::string
   return result;
 }
 
-NamedFigure figure_by_scene(std::span<const Cell> cells) {
+NamedFigure figure_by_scene(std::span<const ExperimentCell> cells) {
   NamedFigure result{"m-by-scene", {"M against cache lines, for every depth and scene"}};
-  const bool log = std::ranges::all_of(cells, [](const Cell& c) { return cell_fetches(c) > 0; });
-  for (const std::string& scene : names_of(cells, [](const Cell& c) { return c.scene; }))
+  const bool log =
+      std::ranges::all_of(cells, [](const ExperimentCell& c) { return cell_fetches(c) > 0; });
+  for (const std::string& scene : names_of(cells, [](const ExperimentCell& c) { return c.scene; }))
     result.figure.panels.push_back(scene_panel(cells, scene, log));
   result.figure.columns = 2;
   result.figure.share_y = true;
-  result.figure.palette = Palette::kOrdered;
+  result.figure.palette = SeriesColors::kOrdered;
   result.figure.height = 220;
   return result;
 }
 
-NamedFigure figure_by_level(std::span<const Cell> cells) {
+NamedFigure figure_by_level(std::span<const ExperimentCell> cells) {
   constexpr std::size_t kPanels = 3;
   NamedFigure result{"hit-rate-by-level", {"Hit rate of each level's caches"}};
   std::vector<std::uint32_t> depths = sorted_depths(cells);
@@ -166,7 +178,8 @@ NamedFigure figure_by_level(std::span<const Cell> cells) {
   for (const std::uint32_t depth : depths) {
     Panel panel{"depth " + std::to_string(depth), {"level", Scale::kCategories}, {"hits / reads"}};
     for (std::uint32_t n = 0; n < depth; ++n) panel.x.categories.push_back(std::to_string(n));
-    for (const std::string& scene : names_of(cells, [](const Cell& c) { return c.scene; })) {
+    for (const std::string& scene :
+         names_of(cells, [](const ExperimentCell& c) { return c.scene; })) {
       Series series = level_series(cells, scene, depth);
       if (!series.points.empty()) panel.series.push_back(std::move(series));
     }
@@ -179,10 +192,28 @@ NamedFigure figure_by_level(std::span<const Cell> cells) {
   return result;
 }
 
-NamedFigure figure_cache_size(std::span<const Cell> cells) {
+NamedFigure figure_cache_size(std::span<const ExperimentCell> cells) {
   NamedFigure result{"cache-size", {"Hit rate and size of the caches, by depth"}};
   result.figure.panels = {hit_rate_panel(cells), cache_size_panel(cells)};
   result.figure.columns = 2;
+  return result;
+}
+
+NamedFigure figure_reads_per_address(std::span<const std::vector<AddressReads>> levels) {
+  constexpr std::size_t kMostPoints = 500;
+  NamedFigure result{"reads-per-address", {"Reads per node, by its address"}};
+  Panel panel{"", {"address of the node", Scale::kLog10}, {"reads", Scale::kLog10}};
+  for (std::size_t n = 0; n < levels.size(); ++n) {
+    const std::size_t run = (levels[n].size() + kMostPoints - 1) / kMostPoints;
+    Series series{"level " + std::to_string(n), {}, false, true};
+    for (std::size_t begin = 0; begin < levels[n].size(); begin += run)
+      series.points.push_back(
+          mean_of(std::span(levels[n]).subspan(begin, std::min(run, levels[n].size() - begin))));
+    if (!series.points.empty()) panel.series.push_back(std::move(series));
+  }
+  if (!panel.series.empty()) result.figure.panels = {std::move(panel)};
+  result.figure.palette = SeriesColors::kOrdered;
+  result.figure.width = 760;
   return result;
 }
 

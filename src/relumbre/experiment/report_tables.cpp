@@ -66,9 +66,9 @@ struct SceneSums {
   std::uint64_t cells = 0, reads = 0, fetches = 0, tasks = 0;
 };
 
-std::vector<SceneSums> sums_by_scene(std::span<const Cell> cells) {
+std::vector<SceneSums> sums_by_scene(std::span<const ExperimentCell> cells) {
   std::vector<SceneSums> sums;
-  for (const Cell& cell : cells) {
+  for (const ExperimentCell& cell : cells) {
     auto found = std::ranges::find(sums, cell.scene, &SceneSums::scene);
     if (found == sums.end()) found = sums.insert(sums.end(), SceneSums{cell.scene});
     found->cells += 1;
@@ -82,7 +82,7 @@ std::vector<SceneSums> sums_by_scene(std::span<const Cell> cells) {
 }  // namespace
 
 std::string facts_table(const std::vector<std::pair<std::string, std::string>>& facts,
-                        std::span<const Cell> cells) {
+                        std::span<const ExperimentCell> cells) {
   std::string out;
   for (const auto& [name, value] : facts)
     out += "<tr><td>" + html::text(name) + "</td><td style=\"text-align:left\">" +
@@ -99,7 +99,7 @@ std::string facts_table(const std::vector<std::pair<std::string, std::string>>& 
          grouped(cells.size()) + "</td></tr>\n</table>\n";
 }
 
-std::string machines_table(std::span<const Cell> cells) {
+std::string machines_table(std::span<const ExperimentCell> cells) {
   Rows rows;
   for (const SceneSums& sums : sums_by_scene(cells)) {
     const double rate = sums.reads == 0 ? 0

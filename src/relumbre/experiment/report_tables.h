@@ -13,11 +13,11 @@ namespace relumbre {
 
 /// The facts, and the levels of the factors that the cells have.
 std::string facts_table(const std::vector<std::pair<std::string, std::string>>& facts,
-                        std::span<const Cell> cells);
+                        std::span<const ExperimentCell> cells);
 
 /// A line a scene: reads, M and L of the proposed machine and M of the naive ones, in words and
 /// bytes, summed over its cells.
-std::string machines_table(std::span<const Cell> cells);
+std::string machines_table(std::span<const ExperimentCell> cells);
 
 /// Factors alone, and with the interactions of every two; or the reason why not.
 std::string anova_tables(const ResponseAnalysis& analysis);

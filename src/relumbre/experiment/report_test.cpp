@@ -25,7 +25,7 @@ using testing::HasSubstr;
 using testing::Not;
 using testing::StartsWith;
 
-double fetches(const Cell& cell) { return static_cast<double>(cell_fetches(cell)); }
+double fetches(const ExperimentCell& cell) { return static_cast<double>(cell_fetches(cell)); }
 
 const CellGrid kSmall{
     {"teapot", "a, \"quoted\" <scene>"}, {5, 7}, {2, 20}, {512, 4096}, {{64, 48}, {80, 60}}};
@@ -45,17 +45,17 @@ std::size_t count_of(const std::string& text, const std::string& what) {
   return count;
 }
 
-TEST(Cell, SumsByHand) {
-  const Cell cell{"s", "gt", 2, 4, 3, 1, 2, 512, 40, {{10, 9, 0, 1}, {30, 21, 3, 6}}};
+TEST(ExperimentCell, SumsByHand) {
+  const ExperimentCell cell{"s", "gt", 2, 4, 3, 1, 2, 512, 40, {{10, 9, 0, 1}, {30, 21, 3, 6}}};
   EXPECT_EQ(cell_reads(cell), 40u);
   EXPECT_EQ(cell_fetches(cell), 10u);
   EXPECT_EQ(cell_hit_rate(cell), 0.75);
-  EXPECT_EQ(cell_hit_rate(Cell{}), 0);
+  EXPECT_EQ(cell_hit_rate(ExperimentCell{}), 0);
   EXPECT_EQ(cell_resolution(cell), "4x3");
 }
 
 TEST(CellsCsv, ReadsBackExactly) {
-  const std::vector<Cell> cells = made_up_cells(kSmall);
+  const std::vector<ExperimentCell> cells = made_up_cells(kSmall);
   const std::string csv = cells_to_csv(cells);
   EXPECT_EQ(parse_cells_csv(csv, "cells.csv"), cells);
   EXPECT_EQ(cells_to_csv(parse_cells_csv(csv, "cells.csv")), csv);
@@ -98,7 +98,7 @@ TEST(CellsCsv, RefusesDamage) {
 }
 
 TEST(ResponseTable, HasTheFactorsThatVary) {
-  const std::vector<Cell> cells = made_up_cells(kSmall);
+  const std::vector<ExperimentCell> cells = made_up_cells(kSmall);
   const Table table = response_table(cells, "M", fetches);
   std::vector<std::string> names;
   for (const Factor& factor : table.factors) names.push_back(factor.name);
@@ -109,10 +109,10 @@ TEST(ResponseTable, HasTheFactorsThatVary) {
 }
 
 TEST(Analysis, AFactorThatChangesNothingSaysSo) {
-  std::vector<Cell> cells = made_up_cells(kSmall);
-  for (Cell& cell : cells) {  // as if tiles were all of one size
-    Cell same{cell.scene, cell.traversal, cell.depth, cell.width, cell.height, cell.gts,
-              2,          cell.lines,     0,          {}};
+  std::vector<ExperimentCell> cells = made_up_cells(kSmall);
+  for (ExperimentCell& cell : cells) {  // as if tiles were all of one size
+    ExperimentCell same{cell.scene, cell.traversal, cell.depth, cell.width, cell.height, cell.gts,
+                        2,          cell.lines,     0,          {}};
     cell.levels = made_up_cell(same, 0.3).levels;
   }
   const ResponseAnalysis analysis = analyse_response(response_table(cells, "M", fetches));
@@ -155,9 +155,9 @@ TEST(Html, NumbersAreShort) {
   EXPECT_EQ(html::text("<&>"), "&lt;&amp;&gt;");
 }
 
-TEST(Report, IsWellFormedAndLoadsNothing) {
-  const std::vector<Cell> cells = made_up_cells(kSmall);
-  const Report report = make_report({"A <title>", {{"plan", "a&b.toml"}}, cells, {}});
+TEST(ExperimentReport, IsWellFormedAndLoadsNothing) {
+  const std::vector<ExperimentCell> cells = made_up_cells(kSmall);
+  const ExperimentReport report = make_report({"A <title>", {{"plan", "a&b.toml"}}, cells, {}});
   std::string xml = report.html.substr(report.html.find('\n') + 1);  // without the doctype
   const std::size_t style = xml.find("<style>"), end = xml.find("</style>");
   for (std::size_t at = xml.find("> *", style); at < end; at = xml.find("> *", at + 1))
@@ -176,37 +176,51 @@ TEST(Report, IsWellFormedAndLoadsNothing) {
   EXPECT_EQ(count_of(report.html, "<svg"), report.figures.size());
 }
 
-TEST(Report, IsTheSameForTheSameCells) {
-  const std::vector<Cell> cells = made_up_cells(kSmall);
+TEST(ExperimentReport, IsTheSameForTheSameCells) {
+  const std::vector<ExperimentCell> cells = made_up_cells(kSmall);
   EXPECT_EQ(make_report({"t", {}, cells, {}}).html, make_report({"t", {}, cells, {}}).html);
 }
 
-TEST(Report, SaysWhyWhereStatisticsAreNotPossible) {
+TEST(ExperimentReport, SaysWhyWhereStatisticsAreNotPossible) {
   const CellGrid one{{"teapot"}, {5}, {2}, {512}, {{64, 48}}};
   EXPECT_THAT(make_report({"t", {}, made_up_cells(one), {}}).html, HasSubstr("nothing to compare"));
   const CellGrid two{{"teapot"}, {5, 6}, {2}, {512}, {{64, 48}}};
   EXPECT_THAT(make_report({"t", {}, made_up_cells(two), {}}).html,
               HasSubstr("too few for a model"));
-  std::vector<Cell> nothing = made_up_cells(kSmall);
-  for (Cell& cell : nothing)
+  std::vector<ExperimentCell> nothing = made_up_cells(kSmall);
+  for (ExperimentCell& cell : nothing)
     for (CellLevel& level : cell.levels) level = {};
   EXPECT_THAT(make_report({"t", {}, nothing, {}}).html, HasSubstr("all 32 rows are 0"));
 }
 
-TEST(Report, HasFurtherFigures) {
-  const std::vector<Cell> cells = made_up_cells(kSmall);
+TEST(ExperimentReport, HasFurtherFigures) {
+  const std::vector<ExperimentCell> cells = made_up_cells(kSmall);
   NamedFigure extra{"reads-per-address", {"Reads per address"}};
   extra.figure.panels = {Panel{"p", {"x"}, {"y"}, {{"", {{1, 2}}}}}};
-  const Report report = make_report({"t", {}, cells, {extra}});
+  const ExperimentReport report = make_report({"t", {}, cells, {extra}});
   EXPECT_EQ(report.figures.back().name, "reads-per-address");
   EXPECT_THAT(report.html, HasSubstr("Reads per address"));
 }
 
-TEST(Report, RefusesNoCellsAndCellsWithoutTheirLevels) {
+TEST(ExperimentReport, RefusesNoCellsAndCellsWithoutTheirLevels) {
   EXPECT_THROW((void)make_report({"t", {}, {}, {}}), ValueError);
-  std::vector<Cell> cells = made_up_cells(kSmall);
+  std::vector<ExperimentCell> cells = made_up_cells(kSmall);
   cells[3].levels.pop_back();
   EXPECT_THROW((void)make_report({"t", {}, cells, {}}), ValueError);
+}
+
+TEST(ReadsPerAddress, DrawsEveryReadOfFewNodesAndMeansOfMany) {
+  std::vector<std::vector<AddressReads>> levels{{{1, 900}}, {{8, 300}, {15, 600}}, {}, {}};
+  for (std::uint64_t i = 0; i < 1001; ++i) levels[3].push_back({512 + i, 1 + i % 2});
+  const Figure figure = figure_reads_per_address(levels).figure;
+  const std::vector<Series>& series = figure.panels.at(0).series;
+  ASSERT_EQ(series.size(), 3u);  // level 2 has no nodes
+  EXPECT_EQ(series[1].points[1].y, 600);
+  EXPECT_EQ(series[2].points.size(), 334u);
+  EXPECT_EQ(series[2].points[0].x, 513);
+  EXPECT_NEAR(series[2].points[0].y, 4.0 / 3, 1e-15);
+  EXPECT_EQ(xml_fault(to_svg(figure)), "");
+  EXPECT_TRUE(figure_reads_per_address({}).figure.panels.empty());
 }
 
 TEST(CacheSize, ByHand) {

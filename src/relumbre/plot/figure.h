@@ -30,7 +30,7 @@ struct Series {
 };
 
 /// Five numbers and what lies beyond the whiskers, drawn at an x.
-struct Box {
+struct BoxPlot {
   double x = 0, low = 0, q1 = 0, median = 0, q3 = 0, high = 0;
   std::vector<double> outliers = {};
 };
@@ -44,20 +44,20 @@ struct Panel {
   std::string title;
   Axis x, y;
   std::vector<Series> series = {};
-  std::vector<Box> boxes = {};
+  std::vector<BoxPlot> boxes = {};
   std::vector<Bar> bars = {};
 };
 
 /// How series are told apart, by marks too: colours that colour-blind readers tell apart, or from
 /// dark to light where the series have an order, such as depths.
-enum class Palette { kDistinct, kOrdered };
+enum class SeriesColors { kDistinct, kOrdered };
 
 struct Figure {
   std::string title;
   std::vector<Panel> panels = {};
   std::size_t columns = 1;                ///< panels side by side
   bool share_x = false, share_y = false;  ///< one range for all panels
-  Palette palette = Palette::kDistinct;
+  SeriesColors palette = SeriesColors::kDistinct;
   double width = 420, height = 260;  ///< of a panel inside its axes, in pixels, 40…4000
 };
 
