@@ -91,8 +91,8 @@ ExperimentPlan parse_plan(std::string_view text, const std::string& file_name,
 /// The product of the factors' numbers of levels.
 std::size_t cell_count(const ExperimentPlan& plan);
 
-/// Cell number `index`, index < cell_count. The last of these changes fastest: scene, depth,
-/// resolution, traversal, gts, tile, lines; so that cells of one traversal of an octree are
+/// Cell number `index`, index < cell_count. The last of these changes fastest: scene,
+/// depth, resolution, traversal, gts, tile, lines; so that cells of one traversal of an octree are
 /// neighbours, and among them those that one pass over it can simulate.
 PlannedCell cell_at(const ExperimentPlan& plan, std::size_t index);
 

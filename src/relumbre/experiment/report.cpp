@@ -44,7 +44,7 @@ class ReportWriter {
  public:
   explicit ReportWriter(const ReportInput& input) : input_(input) {}
 
-  Report write() {
+  ExperimentReport write() {
     body_ = "<h1>" + html::text(input_.title) + "</h1>\n";
     what_was_run();
     machines();
@@ -105,13 +105,13 @@ class ReportWriter {
   }
 
   const ReportInput& input_;
-  Report report_;
+  ExperimentReport report_;
   std::string body_;
 };
 
 }  // namespace
 
-Report make_report(const ReportInput& input) {
+ExperimentReport make_report(const ReportInput& input) {
   check(input.cells);
   return ReportWriter(input).write();
 }

@@ -20,7 +20,7 @@ struct ReportInput {
   std::vector<NamedFigure> more_figures;
 };
 
-struct Report {
+struct ExperimentReport {
   std::string html;                  ///< self-contained: figures inline, nothing loaded, no scripts
   std::vector<NamedFigure> figures;  ///< those of the page
 };
@@ -30,6 +30,6 @@ struct Report {
 /// in words that follow from the numbers, for M and L. Statistics that the cells do not allow are
 /// replaced by the reason. The same cells give the same bytes. Throws ValueError without cells, or
 /// for a cell whose number of levels is not its depth.
-Report make_report(const ReportInput& input);
+ExperimentReport make_report(const ReportInput& input);
 
 }  // namespace relumbre

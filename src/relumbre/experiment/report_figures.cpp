@@ -121,6 +121,16 @@ Panel cache_size_panel(std::span<const ExperimentCell> cells) {
   return panel;
 }
 
+Point mean_of(std::span<const AddressReads> nodes) {
+  Point sum;
+  for (const AddressReads& node : nodes) {
+    sum.x += static_cast<double>(node.address);
+    sum.y += static_cast<double>(node.reads);
+  }
+  const auto count = static_cast<double>(nodes.size());
+  return {sum.x / count, sum.y / count};
+}
+
 }  // namespace
 
 double unit_cache_bytes(std::uint32_t depth, std::uint64_t lines) {
@@ -155,7 +165,7 @@ NamedFigure figure_by_scene(std::span<const ExperimentCell> cells) {
     result.figure.panels.push_back(scene_panel(cells, scene, log));
   result.figure.columns = 2;
   result.figure.share_y = true;
-  result.figure.palette = SeriesPalette::kOrdered;
+  result.figure.palette = SeriesColors::kOrdered;
   result.figure.height = 220;
   return result;
 }
@@ -186,6 +196,24 @@ NamedFigure figure_cache_size(std::span<const ExperimentCell> cells) {
   NamedFigure result{"cache-size", {"Hit rate and size of the caches, by depth"}};
   result.figure.panels = {hit_rate_panel(cells), cache_size_panel(cells)};
   result.figure.columns = 2;
+  return result;
+}
+
+NamedFigure figure_reads_per_address(std::span<const std::vector<AddressReads>> levels) {
+  constexpr std::size_t kMostPoints = 500;
+  NamedFigure result{"reads-per-address", {"Reads per node, by its address"}};
+  Panel panel{"", {"address of the node", Scale::kLog10}, {"reads", Scale::kLog10}};
+  for (std::size_t n = 0; n < levels.size(); ++n) {
+    const std::size_t run = (levels[n].size() + kMostPoints - 1) / kMostPoints;
+    Series series{"level " + std::to_string(n), {}, false, true};
+    for (std::size_t begin = 0; begin < levels[n].size(); begin += run)
+      series.points.push_back(
+          mean_of(std::span(levels[n]).subspan(begin, std::min(run, levels[n].size() - begin))));
+    if (!series.points.empty()) panel.series.push_back(std::move(series));
+  }
+  if (!panel.series.empty()) result.figure.panels = {std::move(panel)};
+  result.figure.palette = SeriesColors::kOrdered;
+  result.figure.width = 760;
   return result;
 }
 

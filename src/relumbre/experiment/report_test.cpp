@@ -155,9 +155,9 @@ TEST(Html, NumbersAreShort) {
   EXPECT_EQ(html::text("<&>"), "&lt;&amp;&gt;");
 }
 
-TEST(Report, IsWellFormedAndLoadsNothing) {
+TEST(ExperimentReport, IsWellFormedAndLoadsNothing) {
   const std::vector<ExperimentCell> cells = made_up_cells(kSmall);
-  const Report report = make_report({"A <title>", {{"plan", "a&b.toml"}}, cells, {}});
+  const ExperimentReport report = make_report({"A <title>", {{"plan", "a&b.toml"}}, cells, {}});
   std::string xml = report.html.substr(report.html.find('\n') + 1);  // without the doctype
   const std::size_t style = xml.find("<style>"), end = xml.find("</style>");
   for (std::size_t at = xml.find("> *", style); at < end; at = xml.find("> *", at + 1))
@@ -176,12 +176,12 @@ TEST(Report, IsWellFormedAndLoadsNothing) {
   EXPECT_EQ(count_of(report.html, "<svg"), report.figures.size());
 }
 
-TEST(Report, IsTheSameForTheSameCells) {
+TEST(ExperimentReport, IsTheSameForTheSameCells) {
   const std::vector<ExperimentCell> cells = made_up_cells(kSmall);
   EXPECT_EQ(make_report({"t", {}, cells, {}}).html, make_report({"t", {}, cells, {}}).html);
 }
 
-TEST(Report, SaysWhyWhereStatisticsAreNotPossible) {
+TEST(ExperimentReport, SaysWhyWhereStatisticsAreNotPossible) {
   const CellGrid one{{"teapot"}, {5}, {2}, {512}, {{64, 48}}};
   EXPECT_THAT(make_report({"t", {}, made_up_cells(one), {}}).html, HasSubstr("nothing to compare"));
   const CellGrid two{{"teapot"}, {5, 6}, {2}, {512}, {{64, 48}}};
@@ -193,20 +193,34 @@ TEST(Report, SaysWhyWhereStatisticsAreNotPossible) {
   EXPECT_THAT(make_report({"t", {}, nothing, {}}).html, HasSubstr("all 32 rows are 0"));
 }
 
-TEST(Report, HasFurtherFigures) {
+TEST(ExperimentReport, HasFurtherFigures) {
   const std::vector<ExperimentCell> cells = made_up_cells(kSmall);
   NamedFigure extra{"reads-per-address", {"Reads per address"}};
   extra.figure.panels = {Panel{"p", {"x"}, {"y"}, {{"", {{1, 2}}}}}};
-  const Report report = make_report({"t", {}, cells, {extra}});
+  const ExperimentReport report = make_report({"t", {}, cells, {extra}});
   EXPECT_EQ(report.figures.back().name, "reads-per-address");
   EXPECT_THAT(report.html, HasSubstr("Reads per address"));
 }
 
-TEST(Report, RefusesNoCellsAndCellsWithoutTheirLevels) {
+TEST(ExperimentReport, RefusesNoCellsAndCellsWithoutTheirLevels) {
   EXPECT_THROW((void)make_report({"t", {}, {}, {}}), ValueError);
   std::vector<ExperimentCell> cells = made_up_cells(kSmall);
   cells[3].levels.pop_back();
   EXPECT_THROW((void)make_report({"t", {}, cells, {}}), ValueError);
+}
+
+TEST(ReadsPerAddress, DrawsEveryReadOfFewNodesAndMeansOfMany) {
+  std::vector<std::vector<AddressReads>> levels{{{1, 900}}, {{8, 300}, {15, 600}}, {}, {}};
+  for (std::uint64_t i = 0; i < 1001; ++i) levels[3].push_back({512 + i, 1 + i % 2});
+  const Figure figure = figure_reads_per_address(levels).figure;
+  const std::vector<Series>& series = figure.panels.at(0).series;
+  ASSERT_EQ(series.size(), 3u);  // level 2 has no nodes
+  EXPECT_EQ(series[1].points[1].y, 600);
+  EXPECT_EQ(series[2].points.size(), 334u);
+  EXPECT_EQ(series[2].points[0].x, 513);
+  EXPECT_NEAR(series[2].points[0].y, 4.0 / 3, 1e-15);
+  EXPECT_EQ(xml_fault(to_svg(figure)), "");
+  EXPECT_TRUE(figure_reads_per_address({}).figure.panels.empty());
 }
 
 TEST(CacheSize, ByHand) {

@@ -100,7 +100,7 @@ Range range_of_x(const Panel& panel) {
   RangeFinder range(panel.title);
   for (const Series& series : panel.series)
     for (const Point& point : series.points) range.add(point.x);
-  for (const BoxMark& box : panel.boxes) range.add(box.x);
+  for (const BoxPlot& box : panel.boxes) range.add(box.x);
   for (const Bar& bar : panel.bars) {
     range.add(bar.x0);
     range.add(bar.x1);
@@ -112,7 +112,7 @@ Range range_of_y(const Panel& panel) {
   RangeFinder range(panel.title);
   for (const Series& series : panel.series)
     for (const Point& point : series.points) range.add(point.y);
-  for (const BoxMark& box : panel.boxes) {
+  for (const BoxPlot& box : panel.boxes) {
     for (const double v : {box.low, box.q1, box.median, box.q3, box.high}) range.add(v);
     for (const double v : box.outliers) range.add(v);
   }

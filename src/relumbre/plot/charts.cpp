@@ -38,9 +38,9 @@ std::size_t bins_for(std::span<const double> sorted) {
 
 }  // namespace
 
-BoxMark box_of(std::span<const double> values, double x) {
+BoxPlot box_of(std::span<const double> values, double x) {
   const std::vector<double> sorted = checked_sorted(values, "box plot");
-  BoxMark box{x, 0, quantile(sorted, 0.25), quantile(sorted, 0.5), quantile(sorted, 0.75), 0, {}};
+  BoxPlot box{x, 0, quantile(sorted, 0.25), quantile(sorted, 0.5), quantile(sorted, 0.75), 0, {}};
   const double reach = 1.5 * (box.q3 - box.q1);
   box.low = box.q1;
   box.high = box.q3;

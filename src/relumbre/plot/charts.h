@@ -13,7 +13,7 @@ namespace relumbre {
 /// Tukey's box of values, at x: quartiles by linear interpolation, whiskers to the outermost value
 /// within 1.5 times the distance of the quartiles, the rest outliers.
 /// Throws ValueError if there are none or one is not finite.
-BoxMark box_of(std::span<const double> values, double x);
+BoxPlot box_of(std::span<const double> values, double x);
 
 /// Boxes side by side, one a category. Categories without values stay empty.
 Panel box_panel(std::string title, std::vector<std::string> categories,

@@ -24,7 +24,7 @@ Legend::Legend(const Figure& figure) : palette_(figure.palette) {
 
 SeriesStyle Legend::style(const std::string& name) const {
   const auto found = std::ranges::find(names_, name);
-  if (found == names_.end()) return series_style(SeriesPalette::kDistinct, 0, 1);
+  if (found == names_.end()) return series_style(SeriesColors::kDistinct, 0, 1);
   return series_style(palette_, static_cast<std::size_t>(found - names_.begin()), names_.size());
 }
 

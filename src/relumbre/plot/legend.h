@@ -29,7 +29,7 @@ class Legend {
   };
   [[nodiscard]] std::vector<Place> places(double width) const;
 
-  SeriesPalette palette_;
+  SeriesColors palette_;
   std::vector<std::string> names_;
   std::vector<bool> has_line_, has_markers_;
 };

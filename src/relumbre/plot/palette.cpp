@@ -30,8 +30,8 @@ std::string ordered_color(std::size_t index, std::size_t count) {
 
 }  // namespace
 
-SeriesStyle series_style(SeriesPalette palette, std::size_t index, std::size_t count) {
-  if (palette == SeriesPalette::kOrdered) return {ordered_color(index, count), index % kMarks, ""};
+SeriesStyle series_style(SeriesColors palette, std::size_t index, std::size_t count) {
+  if (palette == SeriesColors::kOrdered) return {ordered_color(index, count), index % kMarks, ""};
   constexpr std::array dashes{"", "6 3", "2 2", "8 3 2 3"};
   return {kDistinctColors[index % kDistinctColors.size()], index % kMarks,
           dashes[index / kDistinctColors.size() % dashes.size()]};

@@ -20,6 +20,6 @@ constexpr std::size_t kMarks = 8;
 /// Distinct colours are those of Okabe and Ito 2008, without the yellow that white hides, and come
 /// again with dashes; ordered ones are from viridis (Smith and van der Walt 2015), without its
 /// light end.
-SeriesStyle series_style(SeriesPalette palette, std::size_t index, std::size_t count);
+SeriesStyle series_style(SeriesColors palette, std::size_t index, std::size_t count);
 
 }  // namespace relumbre

@@ -114,7 +114,7 @@ void PanelDrawing::draw_series(SvgWriter& svg, const Legend& legend, const Serie
     svg.mark(look.mark, p.x, p.y, mark_radius(places.size()), look.color);
 }
 
-void PanelDrawing::draw_box(SvgWriter& svg, const BoxMark& box, Point corner) const {
+void PanelDrawing::draw_box(SvgWriter& svg, const BoxPlot& box, Point corner) const {
   const double half = std::min(24.0, 0.3 * width_ * (x_(1) - x_(0)));
   const auto at = [&](double v) { return place({box.x, v}, corner); };
   const Point q1 = at(box.q1), q3 = at(box.q3), median = at(box.median), low = at(box.low),
@@ -136,7 +136,7 @@ void PanelDrawing::draw(SvgWriter& svg, const Legend& legend, double left, doubl
     const Point from = place({bar.x0, bar.y}, corner), to = place({bar.x1, y_.range().low}, corner);
     svg.rectangle(from.x, from.y, to.x - from.x, to.y - from.y, kBoxFill, kInk);
   }
-  for (const BoxMark& box : panel_.boxes) draw_box(svg, box, corner);
+  for (const BoxPlot& box : panel_.boxes) draw_box(svg, box, corner);
   for (const Series& series : panel_.series) draw_series(svg, legend, series, corner);
   svg.rectangle(left, top, width_, height_, "", kFrame);
   svg.text(left + width_ / 2, top - 8, panel_.title,

@@ -29,7 +29,7 @@ class PanelDrawing {
   void draw_x_axis(SvgWriter& svg, Point corner) const;
   void draw_y_axis(SvgWriter& svg, Point corner) const;
   void draw_series(SvgWriter& svg, const Legend& legend, const Series& series, Point corner) const;
-  void draw_box(SvgWriter& svg, const BoxMark& box, Point corner) const;
+  void draw_box(SvgWriter& svg, const BoxPlot& box, Point corner) const;
 
   const Panel& panel_;
   double width_, height_;

@@ -138,15 +138,15 @@ TEST(LogTicks, TakeMoreDigitsWithinADecadeOrTwo) {
   EXPECT_GE(labels_of(log_ticks(2.5, 2.6, 8)).size(), 2u);
 }
 
-TEST(SeriesPalette, StylesDiffer) {
-  for (const SeriesPalette palette : {SeriesPalette::kDistinct, SeriesPalette::kOrdered})
+TEST(SeriesColors, StylesDiffer) {
+  for (const SeriesColors palette : {SeriesColors::kDistinct, SeriesColors::kOrdered})
     for (std::size_t i = 0; i < 7; ++i)
       for (std::size_t j = 0; j < i; ++j) {
         EXPECT_NE(series_style(palette, i, 7).color, series_style(palette, j, 7).color);
         EXPECT_NE(series_style(palette, i, 7).mark, series_style(palette, j, 7).mark);
       }
-  EXPECT_NE(series_style(SeriesPalette::kDistinct, 7, 9).dashes,
-            series_style(SeriesPalette::kDistinct, 0, 9).dashes);
+  EXPECT_NE(series_style(SeriesColors::kDistinct, 7, 9).dashes,
+            series_style(SeriesColors::kDistinct, 0, 9).dashes);
 }
 
 TEST(EscapeXml, KeepsTextAndNeutralisesTheRest) {
@@ -162,7 +162,7 @@ TEST(Svg, IsWellFormedAndLoadsNothing) {
   Figure figure;
   figure.title = "a <title> with \"quotes\" & \x01";
   figure.columns = 2;
-  figure.palette = SeriesPalette::kOrdered;
+  figure.palette = SeriesColors::kOrdered;
   Panel lines = line_panel("lines & more", {{1, 2}, {2, 3}, {3, 1}});
   lines.series.push_back({"<second>", {{1, 1}, {3, 3}}, true, false});
   const std::vector<double> values = random_values(500, 1);
@@ -283,8 +283,8 @@ TEST(Svg, RefusesWhatCannotBeDrawn) {
   EXPECT_THAT(refusal(crowded), HasSubstr("1000001 marks"));
 }
 
-TEST(BoxMark, QuartilesAndWhiskersByHand) {
-  const BoxMark box = box_of(std::vector<double>{1, 2, 3, 4, 100}, 3);
+TEST(BoxPlot, QuartilesAndWhiskersByHand) {
+  const BoxPlot box = box_of(std::vector<double>{1, 2, 3, 4, 100}, 3);
   EXPECT_EQ(box.q1, 2);
   EXPECT_EQ(box.median, 3);
   EXPECT_EQ(box.q3, 4);

@@ -20,7 +20,7 @@ constexpr std::size_t kMostMarks = 1'000'000;
 std::size_t marks_of(const Panel& panel) {
   std::size_t marks = panel.bars.size() + panel.boxes.size();
   for (const Series& series : panel.series) marks += series.points.size();
-  for (const BoxMark& box : panel.boxes) marks += box.outliers.size();
+  for (const BoxPlot& box : panel.boxes) marks += box.outliers.size();
   return marks;
 }
 

@@ -21,7 +21,7 @@ struct AnovaTerm {
   std::size_t df = 0;                ///< degrees of freedom
   double ss = 0, ms = 0;             ///< sum of squares, and by degree of freedom
   double f = 0;                      ///< ms over the residual's
-  TailProbability p;                 ///< of an F as large if the term had no effect
+  TailProbability p = {};            ///< of an F as large if the term had no effect
   double eta2 = 0;                   ///< η² = SS / SS_total
   double partial_eta2 = 0;           ///< SS / (SS + SS_residual)
   double omega2 = 0;                 ///< (SS − df·MS_residual) / (SS_total + MS_residual)

@@ -11,9 +11,9 @@
 namespace relumbre {
 
 struct KruskalWallis {
-  double h = 0;         ///< corrected for ties
-  double df = 0;        ///< levels that have rows, less 1
-  TailProbability p;    ///< of an H as large if all levels had one distribution, by χ²
+  double h = 0;            ///< corrected for ties
+  double df = 0;           ///< levels that have rows, less 1
+  TailProbability p = {};  ///< of an H as large if all levels had one distribution, by χ²
   double epsilon2 = 0;  ///< effect size ε² = H / (n − 1): 0 none, 1 ranks are the levels' alone
 };
 
@@ -23,11 +23,11 @@ KruskalWallis kruskal_wallis(std::span<const double> values, const Factor& facto
 
 /// Two levels compared.
 struct DunnPair {
-  std::uint32_t a = 0, b = 0;  ///< levels, a < b
-  double z = 0;                ///< positive where a's mean rank is the greater
-  TailProbability p;           ///< two-sided
-  TailProbability adjusted;    ///< by Holm, over all pairs of the factor
-  double cliffs_delta = 0;     ///< P(a > b) − P(a < b) of a row of each: −1…1
+  std::uint32_t a = 0, b = 0;     ///< levels, a < b
+  double z = 0;                   ///< positive where a's mean rank is the greater
+  TailProbability p = {};         ///< two-sided
+  TailProbability adjusted = {};  ///< by Holm, over all pairs of the factor
+  double cliffs_delta = 0;        ///< P(a > b) − P(a < b) of a row of each: −1…1
 };
 
 /// Every pair of levels, by Dunn's test with its correction for ties, after Kruskal-Wallis.

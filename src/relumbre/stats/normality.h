@@ -10,7 +10,7 @@ namespace relumbre {
 
 struct NormalityTest {
   double statistic = 0;
-  TailProbability p;  ///< of a statistic as extreme if the values were normal
+  TailProbability p = {};  ///< of a statistic as extreme if the values were normal
 };
 
 /// Shapiro and Wilk's W with Royston's approximations, 3 ≤ n ≤ 5000. O(n log n).

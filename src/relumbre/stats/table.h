@@ -21,9 +21,9 @@ Factor make_factor(std::string name, std::span<const std::string> labels);
 
 /// n rows of a response and any number of factors.
 struct Table {
-  std::string response;        ///< the response's name
-  std::vector<double> values;  ///< n of them
-  std::vector<Factor> factors;
+  std::string response;             ///< the response's name
+  std::vector<double> values = {};  ///< n of them
+  std::vector<Factor> factors = {};
 };
 
 /// Throws an error that names the factor or the response: ShapeError where lengths disagree,

@@ -11,7 +11,7 @@ namespace relumbre {
 struct VarianceTest {
   double statistic = 0;
   double df1 = 0, df2 = 0;  ///< df2 only where the statistic is an F
-  TailProbability p;        ///< of a statistic as large if variances were equal
+  TailProbability p = {};   ///< of a statistic as large if variances were equal
 };
 
 /// Levene's test with medians instead of means, which holds for skewed values too: the F of a
