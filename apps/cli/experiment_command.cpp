@@ -42,7 +42,7 @@ std::vector<std::pair<std::string, std::string>> facts(const ExperimentPlan& pla
 void write_report(const ExperimentPlan& plan, const Options& options,
                   std::span<const ExperimentCell> cells, Session& session) {
   const fs::path folder = options.folder;
-  const relumbre::Report report =
+  const ExperimentReport report =
       make_report({.title = plan.title,
                    .facts = facts(plan, options.plan),
                    .cells = cells,

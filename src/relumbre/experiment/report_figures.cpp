@@ -5,6 +5,8 @@
 #include <map>
 #include <set>
 
+#include "relumbre/archsim/memory_hierarchy.h"
+#include "relumbre/archsim/metrics.h"
 #include "relumbre/plot/charts.h"
 
 namespace relumbre {
@@ -121,24 +123,13 @@ Panel cache_size_panel(std::span<const ExperimentCell> cells) {
   return panel;
 }
 
-Point mean_of(std::span<const AddressReads> nodes) {
-  Point sum;
-  for (const AddressReads& node : nodes) {
-    sum.x += static_cast<double>(node.address);
-    sum.y += static_cast<double>(node.reads);
-  }
-  const auto count = static_cast<double>(nodes.size());
-  return {sum.x / count, sum.y / count};
-}
-
 }  // namespace
 
 double unit_cache_bytes(std::uint32_t depth, std::uint64_t lines) {
-  constexpr double kUpper[] = {8, 64, 512};
-  double sum = 0;
+  std::uint64_t words = 0;
   for (std::uint32_t level = 0; level < depth; ++level)
-    sum += level < 3 ? kUpper[level] : static_cast<double>(lines);
-  return 2 * sum;
+    words += lines_of_level(static_cast<int>(level), lines);
+  return static_cast<double>(words * kWordBytes);
 }
 
 NamedFigure figure_by_factor(const ResponseAnalysis& analysis, const std::string& name,
@@ -196,24 +187,6 @@ NamedFigure figure_cache_size(std::span<const ExperimentCell> cells) {
   NamedFigure result{"cache-size", {"Hit rate and size of the caches, by depth"}};
   result.figure.panels = {hit_rate_panel(cells), cache_size_panel(cells)};
   result.figure.columns = 2;
-  return result;
-}
-
-NamedFigure figure_reads_per_address(std::span<const std::vector<AddressReads>> levels) {
-  constexpr std::size_t kMostPoints = 500;
-  NamedFigure result{"reads-per-address", {"Reads per node, by its address"}};
-  Panel panel{"", {"address of the node", Scale::kLog10}, {"reads", Scale::kLog10}};
-  for (std::size_t n = 0; n < levels.size(); ++n) {
-    const std::size_t run = (levels[n].size() + kMostPoints - 1) / kMostPoints;
-    Series series{"level " + std::to_string(n), {}, false, true};
-    for (std::size_t begin = 0; begin < levels[n].size(); begin += run)
-      series.points.push_back(
-          mean_of(std::span(levels[n]).subspan(begin, std::min(run, levels[n].size() - begin))));
-    if (!series.points.empty()) panel.series.push_back(std::move(series));
-  }
-  if (!panel.series.empty()) result.figure.panels = {std::move(panel)};
-  result.figure.palette = SeriesColors::kOrdered;
-  result.figure.width = 760;
   return result;
 }
 

@@ -32,16 +32,6 @@ NamedFigure figure_by_level(std::span<const ExperimentCell> cells);
 /// bytes) at 2 bytes a line, a curve for each number of lines.
 NamedFigure figure_cache_size(std::span<const ExperimentCell> cells);
 
-/// How often a node's word was read.
-struct AddressReads {
-  std::uint64_t address = 0, reads = 0;
-};
-
-/// Reads over the address of a node, both logarithmic, a series a level; `levels[n]` are those of
-/// level n in the order of their addresses, each with at least one read. Of a level with more than
-/// 500 nodes, runs of neighbours are drawn as their mean.
-NamedFigure figure_reads_per_address(std::span<const std::vector<AddressReads>> levels);
-
 /// The distribution of the residuals of the analysis of variance, and its normal Q-Q plot; for an
 /// analysis that has residuals.
 NamedFigure figure_residuals(const ResponseAnalysis& analysis, const std::string& name);

@@ -209,20 +209,6 @@ TEST(ExperimentReport, RefusesNoCellsAndCellsWithoutTheirLevels) {
   EXPECT_THROW((void)make_report({"t", {}, cells, {}}), ValueError);
 }
 
-TEST(ReadsPerAddress, DrawsEveryReadOfFewNodesAndMeansOfMany) {
-  std::vector<std::vector<AddressReads>> levels{{{1, 900}}, {{8, 300}, {15, 600}}, {}, {}};
-  for (std::uint64_t i = 0; i < 1001; ++i) levels[3].push_back({512 + i, 1 + i % 2});
-  const Figure figure = figure_reads_per_address(levels).figure;
-  const std::vector<Series>& series = figure.panels.at(0).series;
-  ASSERT_EQ(series.size(), 3u);  // level 2 has no nodes
-  EXPECT_EQ(series[1].points[1].y, 600);
-  EXPECT_EQ(series[2].points.size(), 334u);
-  EXPECT_EQ(series[2].points[0].x, 513);
-  EXPECT_NEAR(series[2].points[0].y, 4.0 / 3, 1e-15);
-  EXPECT_EQ(xml_fault(to_svg(figure)), "");
-  EXPECT_TRUE(figure_reads_per_address({}).figure.panels.empty());
-}
-
 TEST(CacheSize, ByHand) {
   EXPECT_EQ(unit_cache_bytes(2, 512), 2 * (8 + 64));
   EXPECT_EQ(unit_cache_bytes(5, 4096), 2 * (8 + 64 + 512 + 2 * 4096));

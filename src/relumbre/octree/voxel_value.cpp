@@ -1,6 +1,7 @@
 #include "relumbre/octree/voxel_value.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace relumbre {
@@ -12,11 +13,19 @@ constexpr float kBrightest = 511.0F / 512 * 65536;
 constexpr std::uint32_t kNoNormal = 0xFFFFFFFF;
 constexpr float kSteps = 65534;  // 65535 is left for "none"
 
+/// 2^exponent, of a normal float32. ldexp, ilogb and lround are calls.
+float power_of_two(int exponent) {
+  return std::bit_cast<float>(static_cast<std::uint32_t>(exponent + 127) << 23);
+}
+int log_of(float positive) {
+  return static_cast<int>(std::bit_cast<std::uint32_t>(positive) >> 23) - 127;
+}
+/// Of what is not negative; halves upwards, as lround.
+std::uint32_t nearest(float v) { return static_cast<std::uint32_t>(static_cast<double>(v) + 0.5); }
+
 float in_range(float c) { return c > 0 ? std::min(c, kBrightest) : 0.0F; }
 
-std::uint32_t to_steps(float c) {
-  return static_cast<std::uint32_t>(std::lround((std::clamp(c, -1.0F, 1.0F) + 1) / 2 * kSteps));
-}
+std::uint32_t to_steps(float c) { return nearest((std::clamp(c, -1.0F, 1.0F) + 1) / 2 * kSteps); }
 float from_steps(std::uint32_t steps) { return static_cast<float>(steps) / kSteps * 2 - 1; }
 
 /// The lower half of the octahedron is folded over the upper one's edges.
@@ -60,20 +69,19 @@ std::uint32_t pack_color(const Rgb& color) {
   const Rgb c(in_range(color.x), in_range(color.y), in_range(color.z));
   const float most = max_component(c);
   if (most == 0) return 0;
-  int exponent = std::clamp(std::ilogb(most) + 1 + kBias, 0, kMaxExponent);
+  int exponent = std::clamp(log_of(most) + 1 + kBias, 0, kMaxExponent);
   const auto mantissa = [&](float v) {
-    return std::lround(std::ldexp(v, kMantissaBits + kBias - exponent));
+    return nearest(v * power_of_two(kMantissaBits + kBias - exponent));
   };
-  if (mantissa(most) == 1 << kMantissaBits) ++exponent;  // it was rounded up
-  return static_cast<std::uint32_t>(exponent) << 27 |
-         static_cast<std::uint32_t>(mantissa(c.z)) << 18 |
-         static_cast<std::uint32_t>(mantissa(c.y)) << 9 | static_cast<std::uint32_t>(mantissa(c.x));
+  if (mantissa(most) == 1U << kMantissaBits) ++exponent;  // it was rounded up
+  return static_cast<std::uint32_t>(exponent) << 27 | mantissa(c.z) << 18 | mantissa(c.y) << 9 |
+         mantissa(c.x);
 }
 
 Rgb unpack_color(std::uint32_t packed) {
-  const int exponent = static_cast<int>(packed >> 27) - kBias - kMantissaBits;
+  const float scale = power_of_two(static_cast<int>(packed >> 27) - kBias - kMantissaBits);
   const auto component = [&](unsigned shift) {
-    return std::ldexp(static_cast<float>(packed >> shift & 511), exponent);
+    return static_cast<float>(packed >> shift & 511) * scale;
   };
   return {component(0), component(9), component(18)};
 }
