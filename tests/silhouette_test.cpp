@@ -29,8 +29,7 @@ Cover cover(const Scene& scene, unsigned depth, std::size_t width, std::size_t h
   const GridRays grid(cube, depth, camera, width, height);
   std::vector<CastRay> rays;
   for (std::size_t y = 0; y < height; ++y)
-    for (std::size_t x = 0; x < width; ++x)
-      rays.push_back(grid.through_center(x, y));
+    for (std::size_t x = 0; x < width; ++x) rays.push_back(grid.through_center(x, y));
   std::vector<TreeHit> hits(rays.size());
   cast(tree, rays, hits);
 

@@ -65,15 +65,16 @@ struct PlannedCell {
 ///
 ///     [factors]                      # each a list, or a single level
 ///     scenes = ["builtin:teapots", "bunny.ply", {name = "dragon", mesh = "dragon_q11.ply"}]
-///     depth = [5, 6, 7]              # 1…16
+///     depth = [5, 6, 7]              # 1…13
 ///     tile = [2, 10]                 # 1…65536 pixels
 ///     lines = [512, 4096]            # 1…2^24, powers of two unless ways = "full"
 ///     resolution = ["640x480"]       # sides 1…16384
 ///
 ///     [machine]                      # optional, as is each of its keys
 ///     gts = 1                        # 1…4096; may be a list
-///     traversal = "gt"               # gt, restart, backtrack, full-stack, short-stack(N); or a
-///     list separating = 26                # or 6 camera = "auto"                # or a cam.json
+///     traversal = "gt"               # restart, backtrack, full-stack, short-stack(N), or a list
+///     separating = 26                # or 6
+///     camera = "auto"                # or a cam.json
 ///     ways = 1                       # a power of two up to the least of `lines`, or "full"
 ///     replacement = "lru"            # or fifo, random
 ///

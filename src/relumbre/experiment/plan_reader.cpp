@@ -9,6 +9,7 @@
 #include "relumbre/base/error.h"
 #include "relumbre/experiment/plan.h"
 #include "relumbre/experiment/toml_fields.h"
+#include "relumbre/experiment/word_scene.h"
 #include "relumbre/scene/builtin_scenes.h"
 
 namespace relumbre {
@@ -19,7 +20,8 @@ using toml_fields::Fields;
 using toml_fields::printable;
 
 constexpr std::size_t kMostText = std::size_t{1} << 20, kMostCells = 1'000'000, kMostName = 80;
-constexpr std::int64_t kMostDepth = 16, kMostTile = 65536, kMostSide = 16384, kMostGts = 4096;
+constexpr std::int64_t kMostDepth = kMaxWordDepth, kMostTile = 65536, kMostSide = 16384,
+                       kMostGts = 4096;
 constexpr std::int64_t kMostLines = std::int64_t{1} << 24;
 constexpr std::string_view kBuiltin = "builtin:";
 

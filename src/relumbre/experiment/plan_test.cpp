@@ -134,9 +134,9 @@ TEST(Plan, NamesMayHaveAnyLetters) {
 TEST(Plan, RefusesLevelsThatCannotBe) {
   EXPECT_EQ(refusal(with("depth", "depth = []")), "plan.toml:3: factors.depth: the list is empty");
   EXPECT_EQ(refusal(with("depth", "depth = [5, 0]")),
-            "plan.toml:3: factors.depth: 0 is not from 1 to 16");
+            "plan.toml:3: factors.depth: 0 is not from 1 to 13");
   EXPECT_EQ(refusal(with("depth", "depth = [17]")),
-            "plan.toml:3: factors.depth: 17 is not from 1 to 16");
+            "plan.toml:3: factors.depth: 17 is not from 1 to 13");
   EXPECT_EQ(refusal(with("depth", "depth = [5, 6, 5]")),
             "plan.toml:3: factors.depth: 5 comes twice");
   EXPECT_EQ(refusal(with("depth", "depth = [\"5\"]")),
