@@ -21,11 +21,8 @@ class Cli : public testing::Test {
  protected:
   Outcome run(const std::string& arguments) const { return folder_.run(arguments); }
   Outcome shell(const std::string& command) const { return folder_.shell(command); }
-  /// The same where no file can grow beyond `bytes`: a disk that is full. (The signal that would
-  /// come with it is one that a full disk does not send.)
   Outcome run_on_full_disk(std::size_t bytes, const std::string& arguments) const {
-    return shell("trap '' XFSZ; ulimit -f " + std::to_string(bytes / 512) + "; " +
-                 RELUMBRE_PROGRAM + " " + arguments);
+    return folder_.run_on_full_disk(bytes, arguments);
   }
   const fs::path& folder() const { return folder_.path(); }
   std::string read(const std::string& name) const { return folder_.read(name); }
@@ -54,8 +51,9 @@ class Cli : public testing::Test {
   ProgramFolder folder_;
 };
 
-const char* const kCommands[] = {"scene",   "info",  "viewfactors", "bake",
-                                 "relight", "solve", "render",      "compare"};
+const char* const kCommands[] = {"scene",   "info",     "viewfactors", "bake",    "relight",
+                                 "solve",   "render",   "dof",         "compare", "voxelize",
+                                 "raycast", "simulate", "experiment"};
 
 TEST_F(Cli, EveryCommandHasHelpWithAnExample) {
   for (const char* command : kCommands) {

@@ -75,6 +75,16 @@ TEST_F(ExperimentCli, GoesOnAfterAnInterrupt) {
   EXPECT_TRUE(folder_.exists("results/report.html"));
 }
 
+TEST_F(ExperimentCli, AFullDiskKeepsWhatWasThere) {
+  folder_.write("plan.toml", kPlan);
+  const Outcome outcome = folder_.run_on_full_disk(2048, "experiment plan.toml -o results");
+  EXPECT_EQ(outcome.status, 1) << outcome.err;
+  EXPECT_EQ(std::ranges::count(outcome.err, '\n'), 1) << outcome.err;
+  EXPECT_FALSE(folder_.exists("results/report.html"));
+  EXPECT_EQ(run("plan.toml -o results").status, 0);
+  EXPECT_TRUE(folder_.exists("results/report.html"));
+}
+
 TEST_F(ExperimentCli, BadPlansAreRefusedInOneLine) {
   expect_refused("", "bad.toml");
   expect_refused(with(kPlan, "tile =", "tiles ="), "tiles");

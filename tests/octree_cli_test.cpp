@@ -192,6 +192,20 @@ TEST_F(OctreeCli, AFullDiskLeavesNothing) {
   EXPECT_EQ(folder_->files(), before);
 }
 
+TEST_F(OctreeCli, AFullDiskLeavesNothingHalfWritten) {
+  ASSERT_EQ(run("c.glb --depth 7 -o good.rlo").status, 0);
+  const std::size_t before = folder_->files();
+  for (const char* command : {"voxelize c.glb --depth 7 -o full.rlo",
+                              "voxelize c.glb --depth 7 --geometry-only -o full.rlo",
+                              "raycast good.rlo --size 640x480 -o full.exr"}) {
+    const Outcome outcome = folder_->run_on_full_disk(20'000, command);
+    EXPECT_EQ(outcome.status, 1) << command << outcome.err;
+    EXPECT_EQ(std::ranges::count(outcome.err, '\n'), 1) << outcome.err;
+    EXPECT_NE(outcome.err.find("full."), std::string::npos) << outcome.err;
+    EXPECT_EQ(folder_->files(), before) << command;
+  }
+}
+
 TEST_F(OctreeCli, AnInterruptLeavesNothingHalfWritten) {
   const std::size_t before = folder_->files();
   const Outcome outcome =

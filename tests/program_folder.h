@@ -33,6 +33,13 @@ class ProgramFolder {
     return {WIFEXITED(raw) ? WEXITSTATUS(raw) : -1, read("out.txt"), read("err.txt")};
   }
 
+  /// `relumbre ARGUMENTS` where no file can grow beyond `bytes`: a disk that is full. (The signal
+  /// that would come with it is one that a full disk does not send.)
+  [[nodiscard]] Outcome run_on_full_disk(std::size_t bytes, const std::string& arguments) const {
+    return shell("trap '' XFSZ; ulimit -f " + std::to_string(bytes / 512) + "; " +
+                 RELUMBRE_PROGRAM + " " + arguments);
+  }
+
   /// `relumbre ARGUMENTS`, and Ctrl-C after so many seconds.
   [[nodiscard]] Outcome run_and_interrupt(int seconds, const std::string& arguments) const {
     return shell("timeout --preserve-status -s INT " + std::to_string(seconds) + " " +

@@ -134,6 +134,18 @@ TEST_F(SimulateCli, BadInputIsRefusedInOneLine) {
   EXPECT_EQ(run("t.glb --traversal fast").status, 2);
 }
 
+TEST_F(SimulateCli, AFullDiskLeavesNothingHalfWritten) {
+  const std::size_t before = folder_->files();
+  for (const char* file : {"--trace full.rlt", "--trace full.din", "--heat-map full.exr"}) {
+    const std::string command = "simulate t.glb --depth 7 --size 320x240 " + std::string(file);
+    const Outcome outcome = folder_->run_on_full_disk(4096, command);
+    EXPECT_EQ(outcome.status, 1) << file << outcome.err;
+    EXPECT_EQ(std::ranges::count(outcome.err, '\n'), 1) << outcome.err;
+    EXPECT_NE(outcome.err.find("full."), std::string::npos) << outcome.err;
+    EXPECT_EQ(folder_->files(), before) << file;
+  }
+}
+
 TEST_F(SimulateCli, ADamagedTraceIsRefused) {
   ASSERT_EQ(run("t.glb --depth 5 --size 32x24 --trace d.rlt").status, 0);
   std::string bytes = folder_->read("d.rlt");
