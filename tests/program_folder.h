@@ -42,7 +42,7 @@ class ProgramFolder {
 
   /// `relumbre ARGUMENTS`, and Ctrl-C after so many seconds.
   [[nodiscard]] Outcome run_and_interrupt(int seconds, const std::string& arguments) const {
-    return shell("timeout --preserve-status -s INT " + std::to_string(seconds) + " " +
+    return shell("timeout --foreground --preserve-status -s INT " + std::to_string(seconds) + " " +
                  RELUMBRE_PROGRAM + " " + arguments);
   }
 

@@ -42,6 +42,9 @@ class SimulateCli : public testing::Test {
 TEST_F(SimulateCli, CountsAddUp) {
   const auto report = figures("t.glb --depth 6 --size 97x61 --gts 3 --lines 64 --classify");
   const auto& picture = report["picture"];
+  EXPECT_EQ(report["machine"]["gts"], 3);
+  EXPECT_EQ(report["machine"]["lines"], 64);
+  EXPECT_EQ(report["machine"]["traversal"], "machine");
   EXPECT_EQ(picture["rays"], 97 * 61);
   std::uint64_t reads = 0, misses = 0;
   ASSERT_EQ(report["levels"].size(), 6U);
@@ -116,6 +119,8 @@ TEST_F(SimulateCli, DinerosTextHasALineARead) {
   const std::string text = folder_->read("t.din");
   EXPECT_EQ(report["picture"]["reads"], std::ranges::count(text, '\n'));
   EXPECT_EQ(text.substr(0, 4), "0 2\n");
+  ASSERT_EQ(run("t.glb --depth 5 --size 32x24 --trace l.din --trace-level 0").status, 0);
+  EXPECT_EQ(report["levels"][0]["reads"], std::ranges::count(folder_->read("l.din"), '\n'));
 }
 
 TEST_F(SimulateCli, BadInputIsRefusedInOneLine) {
@@ -124,13 +129,16 @@ TEST_F(SimulateCli, BadInputIsRefusedInOneLine) {
   expect_refused("t.glb --depth 5 --trace t.txt", ".rlt or .din");
   expect_refused("t.glb --depth 5 --trace none/t.rlt", "none");
   expect_refused("t.glb --depth 5 --heat-map h.jpg", "h.jpg");
-  expect_refused("t.glb --depth 5 --trace-unit 1", "--trace-unit");
+  expect_refused("t.glb --depth 5 --trace u.din --trace-unit 1", "--trace-unit");
   EXPECT_EQ(run("t.glb --depth 0").status, 2);
   EXPECT_EQ(run("t.glb --depth 14").status, 2);
   EXPECT_EQ(run("t.glb --size 0x10").status, 1);
   EXPECT_EQ(run("t.glb --size ten").status, 2);
   EXPECT_EQ(run("t.glb --gts 0").status, 2);
   EXPECT_EQ(run("t.glb --tile 0").status, 2);
+  EXPECT_EQ(run("t.glb --ways -1").status, 2);
+  EXPECT_EQ(run("t.glb --trace-level 2 --trace t.rlt").status, 2);
+  expect_refused("t.glb --size 100000x100000", "100000");
   EXPECT_EQ(run("t.glb --traversal fast").status, 2);
 }
 
@@ -154,7 +162,10 @@ TEST_F(SimulateCli, ADamagedTraceIsRefused) {
   bytes[bytes.size() - 3] = static_cast<char>(bytes[bytes.size() - 3] ^ 1);
   folder_->write("altered.rlt", bytes);
   expect_refused("altered.rlt", "altered.rlt");
-  expect_refused("d.rlt --depth 5", "is a trace");
+  expect_refused("d.rlt --depth 5", "is a trace: not with --depth");
+  expect_refused("d.rlt --stack 5", "is a trace: not with --stack");
+  ASSERT_EQ(folder_->run("voxelize t.glb --depth 5 -o d.rlo").status, 0);
+  expect_refused("d.rlo --separating 6", "not with --separating");
 }
 
 }  // namespace

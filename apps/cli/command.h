@@ -34,6 +34,9 @@ class Session {
   std::unique_ptr<ThreadLimit> limit_;
 };
 
+/// Options of unsigned types: a minus would wrap around.
+void refuse_negative_counts(CLI::App& command);
+
 /// Adds a subcommand whose callback runs `run(options, session)` between start() and finish().
 /// `define(command, options)` binds its options. `example` is printed under --help.
 template <class Options, class Define, class Run>
@@ -45,6 +48,7 @@ void add_command(CLI::App& app, const std::string& name, const std::string& desc
   auto session = std::make_shared<Session>();
   define(*command, *options);
   session->add_options(*command);
+  refuse_negative_counts(*command);
   command->callback([options, session, run] {
     session->start();
     run(*options, *session);

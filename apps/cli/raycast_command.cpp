@@ -15,6 +15,9 @@ struct Options {
   VoxelViewConfig view;
   std::string shading = "auto", show = "picture";
   TraversalOptions traversal;
+  const CLI::App* command = nullptr;
+
+  [[nodiscard]] bool is_given(const std::string& name) const { return command->count(name) > 0; }
 };
 
 VoxelShading shading_of(const std::string& name, const VoxelTree& tree) {
@@ -28,14 +31,22 @@ Camera camera_of(const std::string& choice, const VoxelTree& tree) {
   return choice == "auto" ? voxel_camera(tree.cube()) : read_camera(choice);
 }
 
-/// A lit surface and a normal have their brightness; light is exposed.
+/// A lit surface and a normal have their brightness, unless told otherwise; light is exposed.
 ToneConfig tone_of(const Options& options, const VoxelViewConfig& view) {
   ViewOptions picture = options.picture;
   if (view.shading != VoxelShading::kColor || options.show != "picture") {
-    if (picture.exposure == "auto") picture.exposure = "0";
-    picture.curve = "srgb";
+    if (!options.is_given("--exposure")) picture.exposure = "0";
+    if (!options.is_given("--curve")) picture.curve = "srgb";
   }
   return parse_tone(picture);
+}
+
+/// What has no say in a heat map.
+void check_heat_map(const Options& options) {
+  if (options.show == "picture") return;
+  for (const char* name : {"--samples", "--shading", "--smooth", "--detail"})
+    if (options.is_given(name))
+      throw CLI::ValidationError(name, "is of pictures, not of --show " + options.show);
 }
 
 /// None: the fast one, which has no heat maps.
@@ -70,6 +81,7 @@ void report_traversal(const Image& image, Session& session) {
 
 void run(Options options, Session& session) {
   parse_size(options.picture.size, options.view.width, options.view.height);
+  check_heat_map(options);
   options.view.traversal = traversal_of(options);
   check_pictures(options.picture, "raycast");
   const RloFile file = read_rlo(options.octree);
@@ -89,6 +101,7 @@ void run(Options options, Session& session) {
 }
 
 void define(CLI::App& command, Options& o) {
+  o.command = &command;
   command.add_option("octree", o.octree, "An octree written by `relumbre voxelize` (.rlo)")
       ->required();
   add_view_options(command, o.picture, "auto (all of the cube), or cam.json");

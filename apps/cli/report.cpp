@@ -1,5 +1,6 @@
 #include "cli/report.h"
 
+#include <cmath>
 #include <cstdio>
 
 #include "relumbre/base/atomic_file.h"
@@ -50,8 +51,8 @@ std::string seconds_text(double seconds) {
   if (seconds < 1e-3) return fmt::format("{:.1f} µs", seconds * 1e6);
   if (seconds < 1) return fmt::format("{:.2f} ms", seconds * 1e3);
   if (seconds < 60) return fmt::format("{:.1f} s", seconds);
-  const auto whole = static_cast<int>(seconds + 0.5);
-  return fmt::format("{} min {:02} s", whole / 60, whole % 60);
+  const double whole = std::floor(seconds + 0.5);
+  return fmt::format("{:.0f} min {:02.0f} s", std::floor(whole / 60), std::fmod(whole, 60));
 }
 
 std::string percent_text(double fraction) { return fmt::format("{:.3g} %", fraction * 100); }

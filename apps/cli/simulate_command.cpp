@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <initializer_list>
 #include <map>
 #include <optional>
 
@@ -19,6 +20,7 @@
 #include "relumbre/image/heat_map.h"
 #include "relumbre/image/image_io.h"
 #include "relumbre/octree/rlo_file.h"
+#include "relumbre/render/view_tiles.h"
 #include "relumbre/render/voxel_view.h"
 
 namespace relumbre::cli {
@@ -30,16 +32,19 @@ struct Options {
   std::optional<unsigned> depth;
   int separating = 26;
   std::string camera = "auto";
-  std::string size;
+  std::string size = "640x480";
   TraversalOptions traversal;
   MachineConfig machine;
   std::string replacement = "lru";
   std::string trace, heat_map;
   std::uint32_t trace_unit = 0;
+  std::optional<int> trace_level;
+  const CLI::App* command = nullptr;
+
+  [[nodiscard]] bool is_given(const std::string& name) const { return command->count(name) > 0; }
 };
 
 constexpr unsigned kDepth = 8;
-constexpr const char* kSize = "640x480";
 
 const std::map<std::string, Replacement> kReplacements{
     {"lru", Replacement::kLru}, {"fifo", Replacement::kFifo}, {"random", Replacement::kRandom}};
@@ -50,25 +55,32 @@ std::string extension(const std::string& file) {
 
 // --- what is simulated -----------------------------------------------------------------------
 
+/// Options that say what the input has already said.
+void refuse_given(const Options& options, std::initializer_list<const char*> names,
+                  const std::string& reason) {
+  for (const char* name : names)
+    if (options.is_given(name))
+      throw ValueError(options.scene.file + reason + ": not with " + name);
+}
+
 WordScene read_scene(const Options& options, Session& session) {
   if (extension(options.scene.file) != ".rlo") {
     const Scene scene = import_and_report(options.scene, session);
     const auto separating = options.separating == 6 ? Separating::k6 : Separating::k26;
     return word_scene(scene.mesh, options.depth.value_or(kDepth), separating, session.progress);
   }
-  if (options.depth) throw ValueError(options.scene.file + " has its depth: --depth is for meshes");
+  refuse_given(options, {"--depth", "--separating"}, " is made of voxels already");
   return word_scene(read_rlo(options.scene.file).tree);
 }
 
 Trace cast_rays(const Options& options, Session& session) {
-  const WordScene scene = read_scene(options, session);
-  const Camera camera =
-      options.camera == "auto" ? voxel_camera(scene.cube) : read_camera(options.camera);
   std::size_t width = 0, height = 0;
-  parse_size(options.size.empty() ? kSize : options.size, width, height);
-  if (std::max(width, height) > TraceShape::kMaxSide)
-    throw ValueError("--size " + options.size + ": sides of up to " +
-                     std::to_string(TraceShape::kMaxSide) + " pixels are possible");
+  parse_size(options.size, width, height);
+  check_picture_size(width, height);
+  std::optional<Camera> given;
+  if (options.camera != "auto") given = read_camera(options.camera);
+  const WordScene scene = read_scene(options, session);
+  const Camera camera = given ? *given : voxel_camera(scene.cube);
   const MachineTraceConfig config{
       static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height),
       published_traversal(options.traversal.name, options.traversal.stack_nodes)};
@@ -86,10 +98,8 @@ Trace cast_rays(const Options& options, Session& session) {
 
 Trace read_or_cast(const Options& options, Session& session) {
   if (extension(options.scene.file) != ".rlt") return cast_rays(options, session);
-  if (options.depth || !options.size.empty() || !options.traversal.name.empty() ||
-      options.camera != "auto")
-    throw ValueError(options.scene.file +
-                     " is a trace: --depth, --size, --camera and --traversal made it what it is");
+  refuse_given(options, {"--depth", "--separating", "--size", "--camera", "--traversal", "--stack"},
+               " is a trace");
   return read_trace(options.scene.file);
 }
 
@@ -144,6 +154,28 @@ void report_levels(const UnitCounters& total, const MachineConfig& machine, Sess
   session.report.json()["levels"] = std::move(levels);
 }
 
+/// What was simulated, for those who read the JSON alone.
+void report_machine(const Options& options, const Trace& trace, Session& session) {
+  const MachineConfig& machine = options.machine;
+  nlohmann::json json = {{"input", options.scene.file},
+                         {"width", trace.shape().width},
+                         {"height", trace.shape().height},
+                         {"gts", machine.gts},
+                         {"tile", machine.tile},
+                         {"lines", machine.lines},
+                         {"ways", machine.ways},
+                         {"replacement", options.replacement},
+                         {"seed", machine.seed}};
+  if (extension(options.scene.file) != ".rlt") {
+    const bool own = options.traversal.name.empty();
+    json["traversal"] = own ? "machine" : options.traversal.name;
+    if (options.traversal.name == "short-stack") json["stack"] = options.traversal.stack_nodes;
+    json["camera"] = options.camera;
+    if (extension(options.scene.file) != ".rlo") json["separating"] = options.separating;
+  }
+  session.report.json()["machine"] = std::move(json);
+}
+
 void report(const Trace& trace, const Simulation& simulation, const MachineConfig& machine,
             double seconds, Session& session) {
   const MachineMetrics metrics = metrics_of(simulation.total);
@@ -170,6 +202,9 @@ void check_outputs(const Options& options) {
       throw FileError(options.trace, "cannot be written: traces are .rlt or .din");
     const AtomicFile writable(options.trace);
   }
+  if (extension(options.trace) != ".din")
+    for (const char* name : {"--trace-unit", "--trace-level"})
+      if (options.is_given(name)) throw CLI::ValidationError(name, "is of a --trace FILE.din");
   if (options.trace_unit >= options.machine.gts)
     throw ValueError(fmt::format("--trace-unit {}: there are {} units, the first is 0",
                                  options.trace_unit, options.machine.gts));
@@ -200,9 +235,11 @@ void write_outputs(const Options& options, const Trace& trace, Session& session)
     if (extension(options.trace) == ".rlt")
       write_trace(options.trace, trace);
     else
-      write_dinero(
-          options.trace, trace,
-          {.gts = options.machine.gts, .unit = options.trace_unit, .tile = options.machine.tile});
+      write_dinero(options.trace, trace,
+                   {.gts = options.machine.gts,
+                    .unit = options.trace_unit,
+                    .tile = options.machine.tile,
+                    .level = options.trace_level});
     session.report.figure("trace", "wrote", options.trace);
   }
   if (!options.heat_map.empty()) {
@@ -220,6 +257,7 @@ void run(Options options, Session& session) {
   const Stopwatch watch;
   const Simulation simulation = simulate(trace, options.machine);
   report(trace, simulation, options.machine, watch.seconds(), session);
+  report_machine(options, trace, session);
   if (!options.trace.empty() || !options.heat_map.empty()) write_outputs(options, trace, session);
 }
 
@@ -236,19 +274,20 @@ void define_rays(CLI::App& command, Options& o) {
       ->capture_default_str();
   command.add_option("--camera", o.camera, "auto (all of the cube), or cam.json")
       ->capture_default_str();
-  command.add_option("--size", o.size, "WIDTHxHEIGHT in pixels (default: 640x480)");
+  command.add_option("--size", o.size, "WIDTHxHEIGHT in pixels")->capture_default_str();
   add_traversal_options(command, o.traversal, "machine",
                         "machine (the default), or another to compare its traffic with: restart, "
                         "backtrack, full-stack or short-stack");
 }
 
 void define(CLI::App& command, Options& o) {
+  o.command = &command;
   define_rays(command, o);
   command.add_option("--gts", o.machine.gts, "Geometry units")
       ->check(CLI::Range(1U, Tiles::kMaxUnits))
       ->capture_default_str();
   command.add_option("--tile", o.machine.tile, "Pixels a side of a tile")
-      ->check(CLI::PositiveNumber)
+      ->check(CLI::Range(1U, TraceShape::kMaxSide))
       ->capture_default_str();
   command.add_option("--lines", o.machine.lines, "Lines of the caches of levels 3 and deeper")
       ->check(CLI::Range(std::uint64_t{1}, CacheConfig::kMaxLines))
@@ -265,6 +304,7 @@ void define(CLI::App& command, Options& o) {
                      "Also write all reads: .rlt (compressed), or .din (Dinero's text)");
   command.add_option("--trace-unit", o.trace_unit, "Whose reads a .din has, in its order")
       ->capture_default_str();
+  command.add_option("--trace-level", o.trace_level, "Of the tree, that alone; otherwise all");
   command.add_option("--heat-map", o.heat_map, "Also draw reads per pixel: .png or .exr");
 }
 

@@ -21,7 +21,7 @@ void add_traversal_options(CLI::App& command, TraversalOptions& options, const s
   for (const auto& [name, kind] : kPublished) names.push_back(name);
   command.add_option("--traversal", options.name, description)->check(CLI::IsMember(names));
   command.add_option("--stack", options.stack_nodes, "Nodes that a short stack holds")
-      ->check(CLI::PositiveNumber)
+      ->check(CLI::Range(1, 64))
       ->capture_default_str();
 }
 

@@ -122,28 +122,42 @@ std::uint64_t build(const Options& options, const Subject& subject, const Cube& 
   return report.passes;
 }
 
-/// What exported colours are multiplied by: materials as they are, unless told; light is exposed.
-float export_exposure(const Options& options, const VoxelTree& tree) {
-  if (options.exports.empty() || !tree.has_values()) return 1;
+/// Of exported colours: materials as they are, unless told; light is exposed.
+ToneConfig export_tone(const Options& options) {
   const bool is_lit = !options.store.store.empty();
-  const ToneConfig tone =
-      parse_exposure(options.exposure.empty() ? (is_lit ? "auto" : "0") : options.exposure);
-  Image voxels = rgb_image(tree.values().size(), 1);
-  for (std::size_t i = 0; i < voxels.pixels(); ++i)
-    voxels.set_rgb(i, unpack_color(tree.values()[i].color));
+  return parse_exposure(options.exposure.empty() ? (is_lit ? "auto" : "0") : options.exposure);
+}
+
+/// What exported colours are multiplied by. 12 bytes a voxel meanwhile if it depends on them.
+float export_exposure(const VoxelTree& tree, const ToneConfig& tone) {
+  const bool looks = tone.auto_exposure && tree.has_values();
+  Image voxels = rgb_image(looks ? tree.values().size() : 1, 1);
+  for (std::size_t i = 0; looks && i < voxels.pixels(); ++i) {
+    const VoxelValue& v = tree.values()[i];
+    voxels.set_rgb(i, (unpack_color(v.color) + back_color(v)) * 0.5F);
+  }
   return exposure_scale(voxels, tone);
 }
 
-void check_exports(const Options& options) {
+void check_outputs(const Options& options) {
+  if (std::filesystem::path(options.output).extension() != ".rlo")
+    throw FileError(options.output, "cannot be written: voxelize writes .rlo");
   for (const std::string& file : options.exports) check_export(file, options.depth);
+  std::vector<std::string> files = options.exports;
+  files.push_back(options.output);
+  for (const std::string& file : files) {
+    std::error_code error;
+    if (std::filesystem::equivalent(file, options.scene.file, error))
+      throw FileError(file, "is the scene itself");
+    const AtomicFile writable(file);
+  }
 }
 
 void run(const Options& options, Session& session) {
   if (options.scene.file.empty() == options.store.store.empty())
     throw ValueError("voxelize takes either a scene or --store STORE");
-  check_exports(options);
-  for (const std::string& file : options.exports) const AtomicFile writable(file);
-  const AtomicFile writable(options.output);
+  check_outputs(options);
+  const ToneConfig tone = export_tone(options);
   Subject subject = read_subject(options, session);
   const Cube cube = cube_around(bounds(subject.mesh.positions));
   VoxelizeConfig config = config_of(options, subject);
@@ -153,7 +167,8 @@ void run(const Options& options, Session& session) {
   session.report.section("octree", options.output);
   report_octree(file, session);
   session.report.figure("passes", "passes over the mesh", passes);
-  const float exposure = export_exposure(options, file.tree);
+  if (options.exports.empty()) return;
+  const float exposure = export_exposure(file.tree, tone);
   for (const std::string& name : options.exports) {
     export_voxels(name, file.tree, exposure);
     session.report.figure("export", "exported", name);

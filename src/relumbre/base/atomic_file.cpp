@@ -23,15 +23,28 @@ void sync_to_disk(const fs::path& file, const fs::path& target) {
   if (failed) throw FileError(target.string(), std::strerror(reason));
 }
 
+/// Where a link leads, in the end; any other path as it is.
+fs::path followed(fs::path target) {
+  std::error_code error;
+  if (!fs::is_symlink(target, error)) return target;
+  fs::path followed = fs::weakly_canonical(target, error);
+  return error ? target : followed;
+}
+
 }  // namespace
 
-AtomicFile::AtomicFile(fs::path target) : target_(std::move(target)) {
+AtomicFile::AtomicFile(fs::path target) : target_(followed(std::move(target))) {
   const fs::path folder = target_.has_parent_path() ? target_.parent_path() : fs::path(".");
   std::error_code error;
   if (!fs::is_directory(folder, error)) {
     throw FileError(target_.string(), "the folder does not exist");
   }
   if (fs::is_directory(target_, error)) throw FileError(target_.string(), "is a folder");
+  is_device_ = fs::exists(target_, error) && !fs::is_regular_file(target_, error);
+  if (is_device_) {
+    temporary_ = target_;
+    return;
+  }
   std::string name(1, '.');
   name += target_.stem().string() + '.' + std::to_string(::getpid()) + ".tmp";
   temporary_ = folder / (name + target_.extension().string());
@@ -41,12 +54,13 @@ AtomicFile::AtomicFile(fs::path target) : target_(std::move(target)) {
 }
 
 AtomicFile::~AtomicFile() {
-  if (committed_) return;
+  if (committed_ || is_device_) return;
   std::error_code ignored;
   fs::remove(temporary_, ignored);
 }
 
 void AtomicFile::commit() {
+  if (is_device_) return;
   sync_to_disk(temporary_, target_);
   std::error_code error;
   fs::rename(temporary_, target_, error);

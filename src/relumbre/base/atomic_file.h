@@ -8,8 +8,9 @@
 
 namespace relumbre {
 
-/// A file written beside its name and renamed into place.
-/// Write to path(), then commit(). Without commit() nothing is left behind.
+/// A file written beside its name and renamed into place; a link's target, if it is a link.
+/// Write to path(), then commit(). Without commit() nothing is left behind. What is there and is no
+/// regular file, a device or a pipe, is written to as it is and never replaced.
 class AtomicFile {
  public:
   /// Throws FileError if the folder does not exist or cannot be written to.
@@ -18,14 +19,15 @@ class AtomicFile {
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
 
-  /// The temporary file, in the target's folder, with the target's extension kept last.
+  /// The temporary file, in the target's folder, with the target's extension kept last; or the
+  /// device.
   [[nodiscard]] const std::filesystem::path& path() const { return temporary_; }
   /// Flushes to disk and renames over the target. Throws FileError (a full disk, for example).
   void commit();
 
  private:
   std::filesystem::path target_, temporary_;
-  bool committed_ = false;
+  bool is_device_ = false, committed_ = false;
 };
 
 /// Writes `bytes` to `target` atomically. Throws FileError.

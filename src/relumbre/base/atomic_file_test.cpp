@@ -4,9 +4,11 @@
 #include <fstream>
 #include <iterator>
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "relumbre/base/error.h"
@@ -31,6 +33,31 @@ TEST(AtomicFile, WriteThenReadGivesTheSameBytes) {
     EXPECT_EQ(read_file(folder / "file.bin"), bytes);
     EXPECT_EQ(entries(folder.path()), 1);
   }
+}
+
+TEST(AtomicFile, FollowsALink) {
+  const TemporaryFolder folder;
+  fs::create_directory(folder / "far");
+  write_file(folder / "far/file.txt", "old");
+  fs::create_symlink(folder / "far/file.txt", folder / "link.txt");
+  write_file(folder / "link.txt", "new");
+  EXPECT_TRUE(fs::is_symlink(folder / "link.txt"));
+  EXPECT_EQ(read_file(folder / "far/file.txt"), "new");
+}
+
+TEST(AtomicFile, APipeIsWrittenToAndStaysAPipe) {
+  const TemporaryFolder folder;
+  const fs::path pipe = folder / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  const int reader = ::open(pipe.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  ASSERT_GE(reader, 0);
+  write_file(pipe, "through");
+  char bytes[16] = {};
+  EXPECT_EQ(::read(reader, bytes, sizeof bytes), 7);
+  EXPECT_STREQ(bytes, "through");
+  ::close(reader);
+  EXPECT_TRUE(fs::is_fifo(pipe));
+  EXPECT_EQ(entries(folder.path()), 1);
 }
 
 TEST(AtomicFile, WithoutCommitNothingIsLeftAndTheOldFileStays) {

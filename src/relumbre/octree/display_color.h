@@ -12,7 +12,7 @@ namespace relumbre {
 
 /// 8-bit sRGB, clamped, of the mean of both sides' linear colours times `exposure`.
 inline std::array<std::uint8_t, 3> display_color(const VoxelValue& value, float exposure) {
-  const Rgb linear = (unpack_color(value.color) + unpack_color(value.back)) * (exposure / 2);
+  const Rgb linear = (unpack_color(value.color) + back_color(value)) * (exposure / 2);
   std::array<std::uint8_t, 3> srgb;
   for (std::size_t c = 0; c < 3; ++c) {
     const float encoded = srgb_encode(std::fmin(linear[c], 1.0F));

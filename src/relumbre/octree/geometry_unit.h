@@ -38,15 +38,14 @@
 ///   - a ray that is not finite or has no direction pops the root and misses it.
 #pragma once
 
-#include <array>
 #include <cmath>
-#include <cstddef>
 #include <limits>
 #include <optional>
 #include <utility>
 
 #include "relumbre/base/vec3.h"
 #include "relumbre/octree/octree.h"
+#include "relumbre/octree/task_stack.h"
 #include "relumbre/octree/traversal_observer.h"
 
 namespace relumbre {
@@ -111,31 +110,6 @@ inline Cell lower_corner(const Cell& parent_center, unsigned octant, std::uint32
           parent_center.z - (octant & 4U ? 0 : size)};
 }
 
-/// A node leaves, and at most its 8 children come, a level at a time.
-class Lifo {
- public:
-  [[nodiscard]] bool empty() const { return size_ == 0; }
-  void push(const Task& task) { tasks_[size_++] = task; }
-  Task pop() { return tasks_[--size_]; }
-
- private:
-  std::array<Task, 7 * kMaxDepth + 1> tasks_;
-  std::size_t size_ = 0;
-};
-
-inline void push_children(Lifo& lifo, const Octree& octree, const Task& task, const Cell& center,
-                          unsigned sign_mask) {
-  const NodeWord word = octree.word(task.index);
-  for (unsigned rank = 8; rank-- > 0;) {
-    const unsigned octant = rank ^ sign_mask;
-    const ChildState state = word.child(octant);
-    if (state == ChildState::kEmpty) continue;
-    lifo.push(
-        {child_of(task.code, octant), center,
-         state == ChildState::kNonEmpty ? octree.child(task.index, word, octant) : Octree::kNone});
-  }
-}
-
 }  // namespace geometry_unit_detail
 
 /// The nearest voxel that the ray meets, in the order above. Origin and direction in voxels of the
@@ -150,7 +124,7 @@ std::optional<GeometryHit> trace_geometry_unit(const Octree& octree, const Vec3d
   const unsigned sign_mask = ray.sign_mask();
   const int depth = octree.depth();
   // The root is octant 7 of a parent whose centre is the cube's corner.
-  Lifo lifo;
+  TaskStack<Task> lifo;
   lifo.push({kRootCode, {0, 0, 0}, 0});
   while (!lifo.empty()) {
     const Task task = lifo.pop();
@@ -164,7 +138,10 @@ std::optional<GeometryHit> trace_geometry_unit(const Octree& octree, const Vec3d
     if (level == depth) return GeometryHit{task.code, *t};
     observer.read(task.code, level);
     const std::uint32_t half = size / 2;
-    push_children(lifo, octree, task, {lower.x + half, lower.y + half, lower.z + half}, sign_mask);
+    const Cell center{lower.x + half, lower.y + half, lower.z + half};
+    push_children(lifo, octree, task.index, sign_mask, [&](unsigned child, Octree::Index index) {
+      return Task{child_of(task.code, child), center, index};
+    });
   }
   return std::nullopt;
 }

@@ -195,6 +195,11 @@ class RloReader {
     for (const double c : header_.corner)
       if (!std::isfinite(c)) fail("has a cube that is not finite");
     if (!(header_.edge > 0) || !std::isfinite(header_.edge)) fail("has a cube without extent");
+    if (!(header_.build_seconds >= 0) || !std::isfinite(header_.build_seconds))
+      fail("was built in a time that cannot be");
+    for (unsigned level = VoxelTree::levels_of(header_.depth); level < VoxelTree::kMaxLevels;
+         ++level)
+      if (header_.nodes[level] != 0) fail("has nodes behind its last level");
   }
 
   /// The section's bytes, which must be `count` values of T.

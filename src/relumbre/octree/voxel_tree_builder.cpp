@@ -53,8 +53,7 @@ void VoxelTreeBuilder::add(const VoxelBlocks& blocks) {
   for (std::size_t i = 0; i < blocks.code.size(); ++i) {
     VoxelMean mean;
     for (int left = has_values_ ? std::popcount(blocks.mask[i]) : 0; left > 0; --left, ++value)
-      mean.add(unpack_color(value->color), unpack_color(value->back), unpack_normal(value->normal),
-               1);
+      mean.add(*value);
     add_leaf(blocks.code[i], blocks.mask[i], mean);
   }
   if (sink_)

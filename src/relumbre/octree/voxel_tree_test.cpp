@@ -66,6 +66,17 @@ TEST(VoxelTree, NodesHaveTheMeansOfTheirVoxels) {
   }
 }
 
+TEST(VoxelTree, NodesKeepApartTheSidesOfABoardOfTwoVoxels) {
+  const std::uint32_t red = pack_color({1, 0, 0}), blue = pack_color({0, 0, 1});
+  const std::uint32_t up = pack_normal({0, 0, 1}), down = pack_normal({0, 0, -1});
+  const VoxelTree tree =
+      build_tree({}, 2, Separating::k26,
+                 {.code = {0},
+                  .mask = {0b10001},
+                  .value = {{red, VoxelValue::kNoBack, up}, {blue, VoxelValue::kNoBack, down}}});
+  EXPECT_EQ(tree.node_values(0)[0], (VoxelValue{red, blue, up}));
+}
+
 TEST(VoxelTree, BlocksMustComeInOrderAndInTheGrid) {
   const auto codes = random_voxels(5, 500);
   VoxelBlocks blocks = blocks_of(codes, false);

@@ -57,12 +57,22 @@ void VoxelMean::add(const VoxelMean& other) {
   normal_ += turned ? -other.normal_ : other.normal_;
 }
 
+void VoxelMean::add(const VoxelValue& voxel) {
+  std::optional<Rgb> back;
+  if (voxel.back != VoxelValue::kNoBack) back = unpack_color(voxel.back);
+  add(unpack_color(voxel.color), back, unpack_normal(voxel.normal), 1);
+}
+
 VoxelValue VoxelMean::value() const {
-  const auto seen = [&](std::size_t s) {
-    const Side& side = side_[s].weight > 0 ? side_[s] : side_[1 - s];
-    return pack_color(side.color / side.weight);
-  };
-  return {seen(0), seen(1), pack_normal(normal_)};
+  const std::size_t front = side_[0].weight > 0 ? 0 : 1;
+  const Side &seen = side_[front], &behind = side_[1 - front];
+  return {pack_color(seen.color / seen.weight),
+          behind.weight > 0 ? pack_color(behind.color / behind.weight) : VoxelValue::kNoBack,
+          pack_normal(front == 0 ? normal_ : -normal_)};
+}
+
+Rgb back_color(const VoxelValue& value) {
+  return unpack_color(value.back == VoxelValue::kNoBack ? value.color : value.back);
 }
 
 std::uint32_t pack_color(const Rgb& color) {

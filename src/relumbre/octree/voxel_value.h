@@ -16,12 +16,16 @@ namespace relumbre {
 ///   normal  | v 16 | u 16 |                              folded unit octahedron, 0xFFFFFFFF: none
 ///
 /// `color` is what is seen from where the normal points to, `back` what is seen from the other
-/// side: the inside of a lampshade is a hundred times as bright as its outside. Colours are linear,
-/// within 1/512 of the largest component; the largest is 65,408. Sources: the
-/// EXT_texture_shared_exponent specification; Cigolle et al. 2014, "A Survey of Efficient
-/// Representations for Independent Unit Vectors".
+/// side: the inside of a lampshade is a hundred times as bright as its outside. Surfaces that face
+/// one way have no back, kNoBack, and look the same from behind.
+///
+/// Colours are linear, within 1/512 of the largest component; the largest is 65,408.
+/// Sources: the EXT_texture_shared_exponent specification; Cigolle et al. 2014, "A Survey of
+/// Efficient Representations for Independent Unit Vectors".
 struct VoxelValue {
-  std::uint32_t color = 0, back = 0;
+  static constexpr std::uint32_t kNoBack = 0x08000000;  ///< an exponent without a mantissa
+
+  std::uint32_t color = 0, back = kNoBack;
   std::uint32_t normal = 0xFFFFFFFF;
   friend bool operator==(const VoxelValue&, const VoxelValue&) = default;
 };
@@ -33,7 +37,8 @@ class VoxelMean {
   /// Seen from where `normal` points to and, if there is anything to be seen, from behind.
   void add(const Rgb& color, const std::optional<Rgb>& back, const Vec3f& normal, float weight);
   void add(const VoxelMean& other);
-  /// A side that nothing is known of looks like the other.
+  void add(const VoxelValue& voxel);
+  /// The normal points to a side that is known.
   [[nodiscard]] VoxelValue value() const;
 
  private:
@@ -45,6 +50,9 @@ class VoxelMean {
   std::array<Side, 2> side_;
   Vec3f normal_;
 };
+
+/// What is seen from behind.
+Rgb back_color(const VoxelValue& value);
 
 /// Negative components and NaN become 0, what is too bright the brightest.
 std::uint32_t pack_color(const Rgb& color);

@@ -69,8 +69,17 @@ TEST(VoxelMean, TheFacesOfAThinBoardKeepTheirColours) {
 
 TEST(VoxelMean, WhatIsSeenFromOneSideIsSeenFromBoth) {
   const VoxelValue sheet = mean_of({{Rgb(1, 0, 0), Vec3f(0, 1, 0)}, {Rgb(0, 1, 0), {1, 1, 0}}});
-  EXPECT_EQ(sheet.color, sheet.back);
+  EXPECT_EQ(sheet.back, VoxelValue::kNoBack);
+  EXPECT_EQ(back_color(sheet), unpack_color(sheet.color));
   EXPECT_EQ(unpack_color(sheet.color), Rgb(0.5F, 0.5F, 0));
+}
+
+TEST(VoxelMean, TheNormalPointsToASideThatIsKnown) {
+  VoxelMean first, second, all;
+  first.add(Rgb(1), std::nullopt, {0, 0, 1}, 0);  // touches, and no more
+  second.add(Rgb(0.5F), std::nullopt, {0, 0, -1}, 1);
+  all.add(first), all.add(second);
+  EXPECT_EQ(unpack_color(all.value().color), Rgb(0.5F));
 }
 
 TEST(VoxelMean, OfMeansIsThatOfAllTurnedAlike) {

@@ -50,7 +50,7 @@ VoxelShader::Look VoxelShader::look(const CastRay& ray, const TreeHit& hit) cons
 VoxelShader::Look VoxelShader::stored(const CastRay& ray, const VoxelTree::Child& child) const {
   const VoxelValue& value = tree_.value(child);
   const Vec3f normal = unpack_normal(value.normal);
-  if (dot(Vec3d(normal), ray.direction) > 0) return {unpack_color(value.back), -normal};
+  if (dot(Vec3d(normal), ray.direction) > 0) return {back_color(value), -normal};
   return {unpack_color(value.color), normal};
 }
 

@@ -45,6 +45,8 @@ Caster fast_caster(const VoxelTree& tree) {
 }
 
 Caster words_caster(const VoxelTree& tree, const Traversal& traversal) {
+  if (tree.depth() == 0)
+    throw ValueError("view: an octree of depth 0 has no words; the fast traversal shows it");
   const auto words = std::make_shared<Octree>(voxel_codes(tree), static_cast<int>(tree.depth()));
   return [&tree, words, traversal](std::span<const CastRay> rays, std::span<TreeHit> hits) {
     parallel_for(0, rays.size(), 1024, [&](std::size_t i) {
@@ -75,9 +77,8 @@ void cast_rows(const Caster& cast, const GridRays& camera, std::size_t width, st
 class PixelOffsets {
  public:
   PixelOffsets(const VoxelViewConfig& config, std::uint32_t sample)
-      : center_(config.samples == 1), seed_(config.seed), point_(sobol4(sample)) {}
+      : seed_(config.seed), point_(sobol4(sample)) {}
   Vec2f operator()(std::size_t pixel) const {
-    if (center_) return {0, 0};
     const std::uint64_t turn = hash64(seed_ ^ hash64(pixel));  // a shift of its own a pixel
     const auto shifted = [](std::uint32_t p, std::uint64_t by) {
       return tent(to_unit(p + static_cast<std::uint32_t>(by)));
@@ -86,7 +87,6 @@ class PixelOffsets {
   }
 
  private:
-  bool center_;
   std::uint64_t seed_;
   std::array<std::uint32_t, 4> point_;
 };
@@ -105,6 +105,12 @@ Image render_voxels(const VoxelTree& tree, const Camera& camera, const VoxelView
   const auto alpha = image.channel("A"), z = image.channel("Z");
   const float share = 1 / static_cast<float>(config.samples);
 
+  const auto add = [&](std::size_t pixel, const CastRay& ray, const TreeHit& hit) {
+    const Rgb color = hit ? shader.color(ray, hit) : config.background;
+    image.set_rgb(pixel, image.rgb(pixel) + color * share);
+    if (hit) alpha[pixel] += share;
+  };
+
   progress.begin("cast rays", config.height);
   for (std::size_t first = 0; first < config.height; first += kRows) {
     const std::size_t last = std::min(config.height, first + kRows);
@@ -114,15 +120,10 @@ Image render_voxels(const VoxelTree& tree, const Camera& camera, const VoxelView
                 z[pixel] =
                     hit ? static_cast<float>(hit.voxel.t) : std::numeric_limits<float>::infinity();
                 if (hit) set_pixel(image, pixel, kNormalNames, shader.normal(ray, hit));
+                if (config.samples == 1) add(pixel, ray, hit);
               });
-    for (std::uint32_t s = 0; s < config.samples; ++s) {
-      cast_rows(cast, rays, config.width, first, last, PixelOffsets(config, s),
-                [&](std::size_t pixel, const CastRay& ray, const TreeHit& hit) {
-                  const Rgb color = hit ? shader.color(ray, hit) : config.background;
-                  image.set_rgb(pixel, image.rgb(pixel) + color * share);
-                  if (hit) alpha[pixel] += share;
-                });
-    }
+    for (std::uint32_t s = 0; config.samples > 1 && s < config.samples; ++s)
+      cast_rows(cast, rays, config.width, first, last, PixelOffsets(config, s), add);
     progress.advance(last - first);
     progress.check();
   }
