@@ -35,7 +35,7 @@ struct Anova {
   std::vector<double> residuals;  ///< response minus what the model says, one a row
 };
 
-/// Models beyond this cost are refused: a minute or two of one core.
+/// Models beyond this cost are refused: about a minute of one core.
 inline constexpr double kMaxAnovaFlops = 2e11;
 
 /// The fixed-effects analysis by least squares. Sums of squares are of type II: what a term
