@@ -20,13 +20,14 @@ struct Options {
 };
 
 std::vector<std::pair<std::string, std::string>> facts(const ExperimentPlan& plan,
-                                                       const std::string& file) {
+                                                       const std::string& file,
+                                                       std::uint64_t hash) {
   std::string sources;
   for (const PlannedScene& scene : plan.scenes)
     sources += (sources.empty() ? "" : ", ") + scene.name + " (" +
                (scene.builtin.empty() ? scene.mesh.filename().string() : "built in") + ")";
   return {{"Plan", fs::path(file).filename().string()},
-          {"Hash of the plan and its meshes", fmt::format("{:016x}", plan_hash(plan))},
+          {"Hash of the plan and its meshes", fmt::format("{:016x}", hash)},
           {"Program", std::string("relumbre ") + RELUMBRE_VERSION},
           {"Scenes", sources},
           {"Voxels", plan.separating == 6 ? "thin (6-separating)" : "conservative (26-separating)"},
@@ -39,14 +40,15 @@ std::vector<std::pair<std::string, std::string>> facts(const ExperimentPlan& pla
                          : fmt::format("{} ways, {}", plan.ways, to_string(plan.replacement))}};
 }
 
-void write_report(const ExperimentPlan& plan, const Options& options,
-                  std::span<const ExperimentCell> cells, Session& session) {
+void write_report(const ExperimentPlan& plan, const Options& options, const ExperimentRun& run,
+                  Session& session) {
   const fs::path folder = options.folder;
   const ExperimentReport report =
       make_report({.title = plan.title,
-                   .facts = facts(plan, options.plan),
-                   .cells = cells,
-                   .more_figures = {figure_by_address(count_scene_reads(plan, session.progress))}});
+                   .facts = facts(plan, options.plan, run.hash),
+                   .cells = run.cells,
+                   .more_figures = {figure_by_address(count_scene_reads(plan, session.progress))}},
+                  session.progress);
   session.progress.clear();
   fs::create_directories(folder / "figures");
   for (const NamedFigure& named : report.figures)
@@ -72,7 +74,7 @@ void run(const Options& options, Session& session) {
   std::uint64_t reads = 0;
   for (const ExperimentCell& cell : run.cells) reads += cell_reads(cell);
   session.report.figure("reads", "reads simulated", reads, grouped(reads));
-  write_report(plan, options, run.cells, session);
+  write_report(plan, options, run, session);
 }
 
 }  // namespace

@@ -31,10 +31,11 @@ UnitCounters& UnitCounters::operator+=(const UnitCounters& other) {
   return *this;
 }
 
-double hit_rate(const CacheCounters& counters) {
-  if (counters.reads == 0) return 0;
-  return static_cast<double>(counters.hits) / static_cast<double>(counters.reads);
+double hit_rate(std::uint64_t hits, std::uint64_t reads) {
+  return reads == 0 ? 0 : static_cast<double>(hits) / static_cast<double>(reads);
 }
+
+double hit_rate(const CacheCounters& counters) { return hit_rate(counters.hits, counters.reads); }
 
 MachineMetrics metrics_of(const UnitCounters& total) {
   CacheCounters sum;

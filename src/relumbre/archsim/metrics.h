@@ -44,6 +44,7 @@ struct MachineMetrics {
 MachineMetrics metrics_of(const UnitCounters& total);
 
 /// hits / reads, or 0 where nothing is read.
+double hit_rate(std::uint64_t hits, std::uint64_t reads);
 double hit_rate(const CacheCounters& counters);
 
 }  // namespace relumbre

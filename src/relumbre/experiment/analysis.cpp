@@ -4,15 +4,19 @@
 #include <map>
 
 #include "relumbre/base/error.h"
+#include "relumbre/stats/median.h"
 
 namespace relumbre {
 
 namespace {
 
 template <class Compute>
-auto outcome_of(Compute compute) -> Outcome<decltype(compute())> {
+auto outcome_of(const Progress& progress, Compute compute) -> Outcome<decltype(compute())> {
+  progress.check();
   try {
     return {compute(), ""};
+  } catch (const Cancelled&) {
+    throw;
   } catch (const Error& error) {
     return {std::nullopt, error.what()};
   }
@@ -49,22 +53,23 @@ AllElseEqual all_else_equal(const Table& table, std::size_t varied) {
     if (!(range.first > 0)) throw ValueError("a response is not positive");
     changes.push_back(range.second / range.first - 1);
   }
-  std::ranges::sort(changes);
-  return {changes[changes.size() / 2], changes.back()};
+  return {median_of(changes), std::ranges::max(changes)};
 }
 
-FactorAnalysis analyse_factor(const ResponseAnalysis& analysis, std::size_t f) {
+FactorAnalysis analyse_factor(const ResponseAnalysis& analysis, std::size_t f,
+                              const Progress& progress) {
   const Table& table = analysis.table;
   const Factor& factor = table.factors[f];
   FactorAnalysis result;
   if (analysis.main.value) {
     const std::vector<double>& residuals = analysis.main.value->residuals;
-    result.brown_forsythe = outcome_of([&] { return brown_forsythe(residuals, factor); });
-    result.bartlett = outcome_of([&] { return bartlett(residuals, factor); });
+    result.brown_forsythe = outcome_of(progress, [&] { return brown_forsythe(residuals, factor); });
+    result.bartlett = outcome_of(progress, [&] { return bartlett(residuals, factor); });
   }
-  result.kruskal = outcome_of([&] { return kruskal_wallis(table.values, factor); });
+  result.kruskal = outcome_of(progress, [&] { return kruskal_wallis(table.values, factor); });
+  progress.check();
   if (result.kruskal.value) result.pairs = dunn(table.values, factor);
-  result.alone = outcome_of([&] { return all_else_equal(table, f); });
+  result.alone = outcome_of(progress, [&] { return all_else_equal(table, f); });
   return result;
 }
 
@@ -84,18 +89,19 @@ Table response_table(std::span<const ExperimentCell> cells, const std::string& n
   return table;
 }
 
-ResponseAnalysis analyse_response(Table table) {
+ResponseAnalysis analyse_response(Table table, const Progress& progress) {
   ResponseAnalysis result;
   result.table = std::move(table);
-  result.main = outcome_of([&] { return anova(result.table); });
-  result.pairs = outcome_of([&] { return anova(result.table, {.interactions = true}); });
+  result.main = outcome_of(progress, [&] { return anova(result.table, {}, progress); });
+  result.pairs =
+      outcome_of(progress, [&] { return anova(result.table, {.interactions = true}, progress); });
   if (result.main.value) {
     const std::vector<double>& residuals = result.main.value->residuals;
-    result.shapiro = outcome_of([&] { return shapiro_wilk(residuals); });
-    result.dagostino = outcome_of([&] { return dagostino_pearson(residuals); });
+    result.shapiro = outcome_of(progress, [&] { return shapiro_wilk(residuals); });
+    result.dagostino = outcome_of(progress, [&] { return dagostino_pearson(residuals); });
   }
   for (std::size_t f = 0; f < result.table.factors.size(); ++f)
-    result.factors.push_back(analyse_factor(result, f));
+    result.factors.push_back(analyse_factor(result, f, progress));
   return result;
 }
 

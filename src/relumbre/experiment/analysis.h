@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "relumbre/base/progress.h"
 #include "relumbre/experiment/cell.h"
 #include "relumbre/stats/anova.h"
 #include "relumbre/stats/kruskal_wallis.h"
@@ -50,7 +51,7 @@ struct ResponseAnalysis {
 Table response_table(std::span<const ExperimentCell> cells, const std::string& name,
                      double (*response)(const ExperimentCell&));
 
-/// Every statistic that the table allows; the reason for those that it does not.
-ResponseAnalysis analyse_response(Table table);
+/// Every statistic that the table allows; the reason for those that it does not. Throws Cancelled.
+ResponseAnalysis analyse_response(Table table, const Progress& progress = no_progress());
 
 }  // namespace relumbre

@@ -1,14 +1,8 @@
 #include "relumbre/experiment/cell.h"
 
+#include "relumbre/archsim/metrics.h"
+
 namespace relumbre {
-
-namespace {
-
-double rate(std::uint64_t hits, std::uint64_t reads) {
-  return reads == 0 ? 0 : static_cast<double>(hits) / static_cast<double>(reads);
-}
-
-}  // namespace
 
 std::uint64_t cell_reads(const ExperimentCell& cell) {
   std::uint64_t reads = 0;
@@ -24,10 +18,10 @@ std::uint64_t cell_fetches(const ExperimentCell& cell) {
 
 double cell_hit_rate(const ExperimentCell& cell) {
   const std::uint64_t reads = cell_reads(cell);
-  return rate(reads - cell_fetches(cell), reads);
+  return hit_rate(reads - cell_fetches(cell), reads);
 }
 
-double level_hit_rate(const CellLevel& level) { return rate(level.hits, level.reads); }
+double level_hit_rate(const CellLevel& level) { return hit_rate(level.hits, level.reads); }
 
 std::string cell_resolution(const ExperimentCell& cell) {
   return std::to_string(cell.width) + "x" + std::to_string(cell.height);

@@ -4,9 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "relumbre/base/content_hash.h"
-#include "relumbre/base/mapped_file.h"
-
 namespace relumbre {
 
 namespace {
@@ -92,20 +89,6 @@ std::string canonical_text(const ExperimentPlan& plan) {
          fmt::format("separating: {}\ncamera: {}\nways: {}\nreplacement: {}\n", plan.separating,
                      plan.camera_file.empty() ? "auto" : "a file", plan.ways,
                      to_string(plan.replacement));
-}
-
-std::uint64_t plan_hash(const ExperimentPlan& plan) {
-  ContentHash hash;
-  const auto add_file = [&hash](const std::filesystem::path& path) {
-    const MappedFile file(path);
-    hash.add_value(std::uint64_t{file.bytes().size()});
-    hash.add(file.bytes());
-  };
-  hash.add_values(std::span<const char>(canonical_text(plan)));
-  for (const PlannedScene& scene : plan.scenes)
-    if (!scene.mesh.empty()) add_file(scene.mesh);
-  if (!plan.camera_file.empty()) add_file(plan.camera_file);
-  return hash.digest();
 }
 
 }  // namespace relumbre

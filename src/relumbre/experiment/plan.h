@@ -101,8 +101,4 @@ PlannedCell cell_at(const ExperimentPlan& plan, std::size_t index);
 /// a line. Comments, order of keys, the title and paths' folders do not matter.
 std::string canonical_text(const ExperimentPlan& plan);
 
-/// A hash of canonical_text and of the bytes of every mesh and of the camera: results of one hash
-/// belong together. Throws FileError where a file cannot be read.
-std::uint64_t plan_hash(const ExperimentPlan& plan);
-
 }  // namespace relumbre

@@ -8,6 +8,8 @@
 #include "relumbre/base/atomic_file.h"
 #include "relumbre/base/error.h"
 #include "relumbre/base/temporary_folder.h"
+#include "relumbre/experiment/plan_hash.h"
+#include "relumbre/scene/test_gltf.h"
 
 namespace relumbre {
 namespace {
@@ -246,13 +248,51 @@ TEST(PlanHash, IsOfWhatRunsAndOfNothingElse) {
     EXPECT_TRUE(hashes.insert(plan_hash(parse(other))).second) << other;
 }
 
-TEST(PlanHash, ChangesWithTheMeshesBytes) {
+/// The hash of kFactors with this mesh for a scene.
+std::uint64_t hash_of_mesh(const TemporaryFolder& folder, const std::string& mesh) {
+  const std::string text = with("scenes", "scenes = [{name = \"s\", mesh = \"" + mesh + "\"}]");
+  return plan_hash(parse_plan(text, "plan.toml", folder.path()));
+}
+
+TEST(PlanHash, IsOfTheMeshesTrianglesNotOfTheirBytes) {
   const TemporaryFolder folder;
-  const std::string text = with("scenes", "scenes = \"bunny.ply\"");
-  write_file(folder / "bunny.ply", "first");
-  const std::uint64_t before = plan_hash(parse_plan(text, "plan.toml", folder.path()));
-  write_file(folder / "bunny.ply", "other");
-  EXPECT_NE(plan_hash(parse_plan(text, "plan.toml", folder.path())), before);
+  const std::string corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";
+  const auto hash_of = [&](const std::string& text) {
+    write_file(folder / "mesh.obj", text);
+    return hash_of_mesh(folder, "mesh.obj");
+  };
+  const std::uint64_t hash = hash_of(corners + "f 1 2 3\n");
+  EXPECT_EQ(hash_of("# a comment\n" + corners + "f 1 2 3\n"), hash);
+  EXPECT_NE(hash_of(corners + "f 1 2 4\n"), hash);
+  EXPECT_NE(hash_of(corners + "f 1 2 3\nf 1 2 4\n"), hash);
+  EXPECT_NE(hash_of("v 0 0 0.5\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), hash);
+}
+
+TEST(PlanHash, ChangesWithTheFilesThatAMeshPointsTo) {
+  const TemporaryFolder folder;
+  nlohmann::json square = gltf::square();
+  square["buffers"][0]["uri"] = "square.bin";
+  write_file(folder / "square.gltf", square.dump());
+  std::string bytes = gltf::bytes_of<std::uint16_t>({0, 1, 2, 0, 2, 3});
+  bytes.resize(16);
+  bytes += gltf::bytes_of<float>({0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0});
+  bytes.resize(128);
+  write_file(folder / "square.bin", bytes);
+  const std::uint64_t before = hash_of_mesh(folder, "square.gltf");
+  EXPECT_EQ(hash_of_mesh(folder, "square.gltf"), before);
+  const std::string moved = gltf::bytes_of<float>({0.25F});
+  write_file(folder / "square.bin", bytes.replace(16, moved.size(), moved));
+  EXPECT_NE(hash_of_mesh(folder, "square.gltf"), before);
+}
+
+TEST(PlanHash, ChangesWithTheCamerasBytes) {
+  const TemporaryFolder folder;
+  const auto hash_of = [&](const std::string& camera) {
+    write_file(folder / "view.json", camera);
+    return plan_hash(
+        parse_plan(kFactors + "[machine]\ncamera = \"view.json\"\n", "plan.toml", folder.path()));
+  };
+  EXPECT_NE(hash_of("{}"), hash_of("{ }"));
 }
 
 TEST(Plan, TheExamplesAreWhatTheySay) {

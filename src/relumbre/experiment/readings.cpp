@@ -62,18 +62,44 @@ std::string interaction_reading(const Anova& pairs, std::size_t factors) {
                                              : "factors act nearly independently");
 }
 
+/// What tests of an assumption of the analysis of variance say together.
+enum class Verdict { kNotTested, kNoDeparture, kDeparture };
+
+template <class Test>
+Verdict verdict_of(const Outcome<Test>& test) {
+  if (!test.value) return Verdict::kNotTested;
+  return test.value->p.p >= kAlpha ? Verdict::kNoDeparture : Verdict::kDeparture;
+}
+
+/// By Shapiro and Wilk, or where there are too many residuals for them by D'Agostino and Pearson.
+Verdict normality(const ResponseAnalysis& analysis) {
+  const Verdict shapiro = verdict_of(analysis.shapiro);
+  return shapiro == Verdict::kNotTested ? verdict_of(analysis.dagostino) : shapiro;
+}
+
+/// One factor whose variances differ is enough.
+Verdict equal_variances(const ResponseAnalysis& analysis) {
+  Verdict all = Verdict::kNotTested;
+  for (const FactorAnalysis& factor : analysis.factors)
+    all = std::max(all, verdict_of(factor.brown_forsythe));
+  return all;
+}
+
 std::string assumption_reading(const ResponseAnalysis& analysis) {
-  const bool normal = analysis.shapiro.value && analysis.shapiro.value->p.p >= kAlpha;
-  const bool equal = std::ranges::all_of(analysis.factors, [](const FactorAnalysis& factor) {
-    return factor.brown_forsythe.value && factor.brown_forsythe.value->p.p >= kAlpha;
-  });
-  if (normal && equal)
-    return "Residuals pass as normal and of equal variance: the analysis of variance rests on what "
-           "it assumes.";
-  return fmt::format(
-      "Residuals are {} and {}: take F and its p as description, and rely on the "
-      "tests by ranks and on the sizes of the effects.",
-      normal ? "normal" : "not normal", equal ? "of equal variance" : "not of equal variance");
+  constexpr const char* kNormal[] = {
+      "Whether the residuals are normal was not tested",
+      "No departure of the residuals from a normal distribution was found",
+      "The residuals are not normal"};
+  constexpr const char* kEqual[] = {"whether their variances are equal was not tested",
+                                    "no difference between their variances was found",
+                                    "their variances are not equal"};
+  const Verdict normal = normality(analysis), equal = equal_variances(analysis);
+  const bool clean = normal == Verdict::kNoDeparture && equal == Verdict::kNoDeparture;
+  return fmt::format("{}, and {}{}.", kNormal[static_cast<int>(normal)],
+                     kEqual[static_cast<int>(equal)],
+                     clean ? ""
+                           : ": take F and its p as description, and rely on the tests by ranks "
+                             "and on the sizes of the effects");
 }
 
 }  // namespace

@@ -42,7 +42,8 @@ void check(std::span<const ExperimentCell> cells) {
 
 class ReportWriter {
  public:
-  explicit ReportWriter(const ReportInput& input) : input_(input) {}
+  ReportWriter(const ReportInput& input, const Progress& progress)
+      : input_(input), progress_(progress) {}
 
   ExperimentReport write() {
     body_ = "<h1>" + html::text(input_.title) + "</h1>\n";
@@ -74,7 +75,8 @@ class ReportWriter {
 
   void response(const std::string& name, const std::string& file, const std::string& unit,
                 double (*value)(const ExperimentCell&), const Axis& axis) {
-    const ResponseAnalysis analysis = analyse_response(response_table(input_.cells, name, value));
+    const ResponseAnalysis analysis =
+        analyse_response(response_table(input_.cells, name, value), progress_);
     body_ += fmt::format("<h2>{}, {}</h2>\n", name, unit);
     if (analysis.table.factors.empty()) {
       body_ += html::paragraph("No factor has two levels: there is nothing to compare.");
@@ -97,6 +99,7 @@ class ReportWriter {
   }
 
   void add(NamedFigure figure, const std::string& caption) {
+    progress_.check();
     if (figure.figure.panels.empty()) return;
     body_ += "<figure>\n" + to_svg(figure.figure) + "<figcaption>Figure " +
              std::to_string(report_.figures.size() + 1) + ". " + html::text(figure.figure.title) +
@@ -105,15 +108,16 @@ class ReportWriter {
   }
 
   const ReportInput& input_;
+  const Progress& progress_;
   ExperimentReport report_;
   std::string body_;
 };
 
 }  // namespace
 
-ExperimentReport make_report(const ReportInput& input) {
+ExperimentReport make_report(const ReportInput& input, const Progress& progress) {
   check(input.cells);
-  return ReportWriter(input).write();
+  return ReportWriter(input, progress).write();
 }
 
 }  // namespace relumbre

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "relumbre/base/progress.h"
 #include "relumbre/experiment/cell.h"
 #include "relumbre/experiment/report_figures.h"
 
@@ -28,8 +29,9 @@ struct ExperimentReport {
 /// Figures, tables (memory accesses of the three machines, ANOVA with the checks of its
 /// assumptions, Kruskal-Wallis, effect sizes, post-hoc pairs with Holm's correction) and readings
 /// in words that follow from the numbers, for M and L. Statistics that the cells do not allow are
-/// replaced by the reason. The same cells give the same bytes. Throws ValueError without cells, or
-/// for a cell whose number of levels is not its depth.
-ExperimentReport make_report(const ReportInput& input);
+/// replaced by the reason. The same cells give the same bytes. Progress is only asked whether to
+/// stop. Throws ValueError without cells, or for a cell whose number of levels is not its depth;
+/// Cancelled.
+ExperimentReport make_report(const ReportInput& input, const Progress& progress = no_progress());
 
 }  // namespace relumbre

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "relumbre/archsim/metrics.h"
 #include "relumbre/experiment/html.h"
 
 namespace relumbre {
@@ -22,6 +23,14 @@ std::string grouped(std::uint64_t value) {
     out += digits[i];
   }
   return out;
+}
+
+/// Whole MB from 100 on, four digits below.
+std::string megabytes(std::uint64_t count, std::uint64_t bytes_each) {
+  constexpr std::uint64_t kMega = 1'000'000;
+  const std::uint64_t bytes = count * bytes_each;
+  return bytes < 100 * kMega ? html::number(static_cast<double>(bytes) / kMega)
+                             : grouped((bytes + kMega / 2) / kMega);
 }
 
 std::string anova_table(const Anova& result, const std::string& caption) {
@@ -102,14 +111,11 @@ std::string facts_table(const std::vector<std::pair<std::string, std::string>>& 
 std::string machines_table(std::span<const ExperimentCell> cells) {
   Rows rows;
   for (const SceneSums& sums : sums_by_scene(cells)) {
-    const double rate = sums.reads == 0 ? 0
-                                        : static_cast<double>(sums.reads - sums.fetches) /
-                                              static_cast<double>(sums.reads);
+    const double rate = hit_rate(sums.reads - sums.fetches, sums.reads);
     rows.push_back({html::text(sums.scene), grouped(sums.cells), html::number(rate),
                     grouped(sums.fetches), grouped(sums.reads), grouped(sums.tasks),
-                    html::number(2e-6 * static_cast<double>(sums.fetches)),
-                    html::number(2e-6 * static_cast<double>(sums.reads)),
-                    html::number(32e-6 * static_cast<double>(sums.tasks))});
+                    megabytes(sums.fetches, kWordBytes), megabytes(sums.reads, kWordBytes),
+                    megabytes(sums.tasks, kRecordBytes)});
   }
   return html::table("Fetches from the memory of the octree, summed over the cells of a scene",
                      {"scene", "cells", "L", "M, proposed", "M, naive words", "M, naive pointers",

@@ -14,6 +14,7 @@
 #include "relumbre/experiment/cells_testing.h"
 #include "relumbre/experiment/html.h"
 #include "relumbre/experiment/readings.h"
+#include "relumbre/experiment/report_tables.h"
 #include "relumbre/plot/svg.h"
 #include "relumbre/plot/xml_check.h"
 
@@ -135,6 +136,83 @@ TEST(Analysis, AllElseEqualByHand) {
   EXPECT_NEAR(a.alone.value->largest, 0.5, 1e-15);
 }
 
+/// The medians over one, two, ... sets of cells that differ in factor a alone.
+TEST(Analysis, TheMedianOfEvenlyManySetsIsBetweenTheTwoInTheMiddle) {
+  const std::vector<double> larger{1.1, 1.7, 1.3, 1.2};
+  const std::vector<double> medians{0.1, 0.4, 0.3, 0.25};
+  Table table{"M", {}, {}};
+  std::vector<std::string> a, b;
+  for (std::size_t set = 0; set < larger.size(); ++set) {
+    table.values.insert(table.values.end(), {10, 10 * larger[set]});
+    a.insert(a.end(), {"x", "y"});
+    b.insert(b.end(), 2, std::to_string(set));
+    table.factors = {make_factor("a", a), make_factor("b", b)};
+    EXPECT_NEAR(analyse_response(table).factors[0].alone.value->median, medians[set], 1e-12);
+  }
+}
+
+class StopAtQuestion : public Progress {
+ public:
+  explicit StopAtQuestion(int questions) : left_(questions) {}
+  [[nodiscard]] bool cancelled() const override { return --left_ <= 0; }
+  [[nodiscard]] int left() const { return left_; }
+
+ private:
+  mutable int left_;
+};
+
+TEST(ExperimentReport, HearsThatItShouldStopWhereverItIs) {
+  const std::vector<ExperimentCell> cells = made_up_cells(kSmall);
+  const StopAtQuestion never(1'000'000);
+  (void)make_report({"t", {}, cells, {}}, never);
+  const int questions = 1'000'000 - never.left();
+  EXPECT_GT(questions, 50);
+  for (int question = 1; question <= questions; question += 7)
+    EXPECT_THROW((void)make_report({"t", {}, cells, {}}, StopAtQuestion(question)), Cancelled)
+        << question << " of " << questions;
+}
+
+/// What readings say of these p of Shapiro-Wilk, D'Agostino-Pearson and Brown-Forsythe; below 0:
+/// the test was refused.
+std::string said_of_assumptions(double shapiro, double dagostino, double brown_forsythe) {
+  ResponseAnalysis analysis = analyse_response(response_table(made_up_cells(kSmall), "M", fetches));
+  const auto set = [](auto& outcome, double p) {
+    outcome.value.reset();
+    if (p >= 0) outcome.value.emplace().p.p = p;
+  };
+  set(analysis.shapiro, shapiro);
+  set(analysis.dagostino, dagostino);
+  for (FactorAnalysis& factor : analysis.factors) set(factor.brown_forsythe, brown_forsythe);
+  return readings(analysis).back();
+}
+
+TEST(Readings, ARefusedTestIsNoFinding) {
+  constexpr double kNo = -1;
+  EXPECT_THAT(said_of_assumptions(kNo, 0.5, 0.5), StartsWith("No departure"));
+  EXPECT_THAT(said_of_assumptions(kNo, 0.01, 0.5), StartsWith("The residuals are not normal"));
+  EXPECT_THAT(said_of_assumptions(0.01, 0.5, 0.5), StartsWith("The residuals are not normal"));
+  EXPECT_THAT(said_of_assumptions(kNo, kNo, 0.5), HasSubstr("normal was not tested"));
+  EXPECT_THAT(said_of_assumptions(0.5, 0.5, kNo), HasSubstr("are equal was not tested"));
+  EXPECT_THAT(said_of_assumptions(0.5, 0.5, 0.01), HasSubstr("variances are not equal"));
+  for (const char* claim : {"take F", "rests on", "not tested"})
+    EXPECT_THAT(said_of_assumptions(0.5, 0.5, 0.5), Not(HasSubstr(claim)));
+  for (const double equal : {kNo, 0.01})
+    EXPECT_THAT(said_of_assumptions(0.5, 0.5, equal), HasSubstr("take F"));
+}
+
+TEST(Readings, MoreResidualsThanShapiroAndWilkAllowAreTestedAllTheSame) {
+  Table table{"M", {}, {}};
+  std::vector<std::string> a;
+  for (const double z : normal_scores(5001)) {  // an exact normal distribution, in two levels
+    a.push_back(a.size() % 2 ? "x" : "y");
+    table.values.push_back(z + (a.size() % 2 ? 20 : 10));
+  }
+  table.factors = {make_factor("a", a)};
+  const ResponseAnalysis analysis = analyse_response(table);
+  EXPECT_FALSE(analysis.shapiro.value.has_value());
+  EXPECT_THAT(readings(analysis).back(), StartsWith("No departure"));
+}
+
 TEST(Readings, NameTheShareThatTheTableHas) {
   const ResponseAnalysis analysis = analyse_response(response_table(made_up_cells(), "M", fetches));
   const std::vector<std::string> sentences = readings(analysis);
@@ -191,6 +269,18 @@ TEST(ExperimentReport, SaysWhyWhereStatisticsAreNotPossible) {
   for (ExperimentCell& cell : nothing)
     for (CellLevel& level : cell.levels) level = {};
   EXPECT_THAT(make_report({"t", {}, nothing, {}}).html, HasSubstr("all 32 rows are 0"));
+}
+
+TEST(ExperimentReport, TheMachinesBytesAreTheirWordsAndRecords) {
+  const auto table_of = [](std::uint64_t reads, std::uint64_t hits, std::uint64_t tasks) {
+    const ExperimentCell cell{"s", "gt", 1, 4, 3, 1, 2, 512, tasks, {{reads, hits, 0, 1}}};
+    return machines_table(std::vector{cell});
+  };
+  // 2 bytes a word, 32 a record; whole MB in groups of digits from 100 MB on.
+  EXPECT_THAT(table_of(3'000'000'000, 2'999'383'000, 200'000'000),
+              HasSubstr("<td>1.234</td><td>6\u202F000</td><td>6\u202F400</td>"));
+  EXPECT_THAT(table_of(50'000'000, 0, 49), HasSubstr("<td>100</td><td>100</td><td>0.001568</td>"));
+  EXPECT_THAT(table_of(12'345'000, 0, 0), HasSubstr("<td>24.69</td><td>24.69</td><td>0</td>"));
 }
 
 TEST(ExperimentReport, HasFurtherFigures) {

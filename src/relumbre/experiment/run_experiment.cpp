@@ -15,6 +15,7 @@
 #include "relumbre/base/parallel.h"
 #include "relumbre/experiment/cells_csv.h"
 #include "relumbre/experiment/machine_trace.h"
+#include "relumbre/experiment/plan_hash.h"
 #include "relumbre/experiment/planned_scene.h"
 
 namespace relumbre {
@@ -26,11 +27,11 @@ namespace fs = std::filesystem;
 /// The folder of the results.
 class ResultsFolder {
  public:
-  ResultsFolder(const ExperimentPlan& plan, fs::path folder) : folder_(std::move(folder)) {
+  ResultsFolder(std::uint64_t hash, fs::path folder) : folder_(std::move(folder)) {
     std::error_code error;
     fs::create_directories(folder_, error);
     if (error) throw FileError(folder_.string(), "cannot be made: " + error.message());
-    claim(fmt::format("{:016x}", plan_hash(plan)));
+    claim(fmt::format("{:016x}", hash));
   }
 
   /// Finished cells, which begin the plan's.
@@ -53,9 +54,9 @@ class ResultsFolder {
     if (!json.is_object() || !json.contains("plan") || !json["plan"].is_string())
       throw FileError(label.string(), "is damaged");
     if (json["plan"] != hash)
-      throw FileError(
-          folder_.string(),
-          "holds the results of another plan, or of other meshes: choose another folder");
+      throw FileError(folder_.string(),
+                      "holds the results of another plan, of other meshes or of another version: "
+                      "choose another folder");
   }
 
   fs::path folder_;
@@ -92,26 +93,28 @@ bool in_one_pass(const ExperimentPlan& plan) {
 }
 
 std::vector<Simulation> simulate_all_lines(const ExperimentPlan& plan, const Trace& trace,
-                                           MachineConfig machine) {
+                                           MachineConfig machine, const Progress& progress) {
+  progress.check();
   if (in_one_pass(plan)) return simulate_lines(trace, machine, plan.lines);
   std::vector<Simulation> all;
   for (const std::uint64_t lines : plan.lines) {
+    progress.check();
     machine.lines = lines;
     all.push_back(simulate(trace, machine));
   }
   return all;
 }
 
-/// All cells of one picture; the first is number `first` of the plan.
+/// All cells of one picture; the first is number `first` of the plan. Throws Cancelled.
 std::vector<ExperimentCell> simulate_picture(const ExperimentPlan& plan, std::size_t first,
-                                             const Trace& trace) {
+                                             const Trace& trace, const Progress& progress) {
   const std::size_t lines = plan.lines.size(), machines = plan.gts.size() * plan.tiles.size();
   std::vector<ExperimentCell> cells(machines * lines);
   parallel_for(0, machines, 1, [&](std::size_t m) {
     const ExperimentCell label = labelled(plan, first + m * lines);
     const MachineConfig machine{
         .gts = label.gts, .tile = label.tile, .ways = plan.ways, .replacement = plan.replacement};
-    const std::vector<Simulation> all = simulate_all_lines(plan, trace, machine);
+    const std::vector<Simulation> all = simulate_all_lines(plan, trace, machine, progress);
     for (std::size_t l = 0; l < lines; ++l)
       cells[m * lines + l] = counted(labelled(plan, first + m * lines + l), all[l].total);
   });
@@ -122,14 +125,15 @@ class ExperimentRunner {
  public:
   ExperimentRunner(const ExperimentPlan& plan, const fs::path& folder, Progress& progress)
       : plan_(plan),
-        folder_(plan, folder),
+        hash_(plan_hash(plan)),
+        folder_(hash_, folder),
         progress_(progress),
         quiet_(progress),
         picture_(plan.gts.size() * plan.tiles.size() * plan.lines.size()) {}
 
   ExperimentRun run() {
     take_what_is_there();
-    ExperimentRun result{.cells = {}, .found_before = cells_.size()};
+    ExperimentRun result{.hash = hash_, .cells = {}, .found_before = cells_.size()};
     progress_.begin("simulate", pixels_left());
     while (cells_.size() < cell_count(plan_)) {
       add_picture();
@@ -168,7 +172,7 @@ class ExperimentRunner {
     const Trace trace = machine_trace(
         words.octree, words.cube, planned_camera(plan_, words.cube),
         {resolution.width, resolution.height, plan_.traversals[at.traversal]}, quiet_);
-    std::vector<ExperimentCell> cells = simulate_picture(plan_, first, trace);
+    std::vector<ExperimentCell> cells = simulate_picture(plan_, first, trace, progress_);
     progress_.check();
     std::ranges::move(cells, std::back_inserter(cells_));
   }
@@ -190,6 +194,7 @@ class ExperimentRunner {
   }
 
   const ExperimentPlan& plan_;
+  std::uint64_t hash_;
   ResultsFolder folder_;
   Progress& progress_;
   QuietProgress quiet_;

@@ -6,7 +6,7 @@
 ///
 /// The results of a folder:
 ///
-///   experiment.json   the plan's hash
+///   experiment.json   the plan's hash (plan_hash.h)
 ///   cells.csv         cells that are finished, in the plan's order
 ///
 /// cells.csv is written anew, atomically, after each picture, so that a run that was stopped or
@@ -14,6 +14,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <vector>
 
@@ -24,6 +25,7 @@
 namespace relumbre {
 
 struct ExperimentRun {
+  std::uint64_t hash = 0;             ///< plan_hash of the plan
   std::vector<ExperimentCell> cells;  ///< all of the plan's, in its order
   std::size_t found_before = 0;       ///< cells that the folder had already
 };

@@ -14,6 +14,7 @@
 #include "relumbre/experiment/address_figure.h"
 #include "relumbre/experiment/cells_csv.h"
 #include "relumbre/experiment/machine_trace.h"
+#include "relumbre/experiment/plan_hash.h"
 #include "relumbre/experiment/planned_scene.h"
 
 namespace relumbre {
@@ -59,6 +60,7 @@ TEST(RunExperiment, EveryCellIsWhatItsMachineCountsAlone) {
     const ExperimentRun run = run_experiment(plan, folder / "results");
     ASSERT_EQ(run.cells.size(), cell_count(plan));
     EXPECT_EQ(run.found_before, 0U);
+    EXPECT_EQ(run.hash, plan_hash(plan));
     for (std::size_t i = 0; i < run.cells.size(); i += 5) {
       const ExperimentCell& cell = run.cells[i];
       const PlannedCell at = cell_at(plan, i);
@@ -99,6 +101,26 @@ TEST(RunExperiment, GoesOnWhereItWasStopped) {
     EXPECT_EQ(read_file(results / "cells.csv"), read_file(folder / "whole/cells.csv"));
   }
   EXPECT_EQ(run_experiment(plan, folder / "whole").found_before, cell_count(plan));
+}
+
+TEST(RunExperiment, HearsThatItShouldStopBetweenMachines) {
+  // Asked once more a machine and cache size: as many questions more as there are machines more.
+  class Questions : public Progress {
+   public:
+    [[nodiscard]] bool cancelled() const override { return ++asked, false; }
+    mutable std::atomic<int> asked = 0;
+  };
+  const auto questions = [](const std::string& more) {
+    const TemporaryFolder folder;
+    Questions progress;
+    (void)run_experiment(small_plan(more), folder / "r", progress);
+    return progress.asked.load();
+  };
+  constexpr int kPictures = 8, kTiles = 2, kLines = 2;
+  EXPECT_EQ(questions("[machine]\ngts = [1, 2, 3]\n") - questions("[machine]\ngts = 1\n"),
+            kPictures * 2 * kTiles);
+  EXPECT_EQ(questions("[machine]\nways = 2\n") - questions("[machine]\nways = 1\n"),
+            kPictures * kTiles * kLines);
 }
 
 TEST(RunExperiment, APictureWhoseCellsAreNotAllThereIsCastAgain) {

@@ -70,6 +70,17 @@ std::size_t parameter_count(const Table& table, bool interactions) {
   return 1 + mains + (interactions ? (mains * mains - squares) / 2 : 0);
 }
 
+std::size_t term_count(const Table& table, bool interactions) {
+  const std::size_t mains = table.factors.size();
+  return mains + (interactions ? mains * (mains - 1) / 2 : 0);
+}
+
+/// The basis of the model and every column's coordinates in it, then a small basis for each term.
+double model_flops(std::size_t rows, std::size_t parameters, std::size_t terms) {
+  const auto n = static_cast<double>(rows), p = static_cast<double>(parameters);
+  return 6 * n * p * p + 4 * static_cast<double>(terms) * p * p * p;
+}
+
 void check_size(const Table& table, bool interactions) {
   const std::size_t rows = table.values.size(), parameters = parameter_count(table, interactions);
   if (rows <= parameters)
@@ -78,6 +89,11 @@ void check_size(const Table& table, bool interactions) {
   if (parameters > kMaxDesign / rows)
     throw ValueError(fmt::format("{}: a model of {} rows and {} parameters exceeds {} numbers",
                                  table.response, rows, parameters, kMaxDesign));
+  const double flops = model_flops(rows, parameters, term_count(table, interactions));
+  if (flops > kMaxAnovaFlops)
+    throw ValueError(fmt::format(
+        "{}: a model of {} rows and {} parameters takes {:.1e} operations, more than {:.0e}",
+        table.response, rows, parameters, flops, kMaxAnovaFlops));
 }
 
 std::vector<Block> model_blocks(const Table& table, bool interactions) {
@@ -105,28 +121,37 @@ double sum_of_squares(std::span<const double> values) {
   return std::inner_product(values.begin(), values.end(), values.begin(), 0.0);
 }
 
+void add_columns(const Block& block, OrthonormalBasis& basis, const Progress& progress) {
+  for (const Column& column : block.columns) {
+    progress.check();
+    basis.add(column);
+  }
+}
+
 /// The space of the whole model. The columns come back as coordinates in it: few numbers each.
-OrthonormalBasis reduce(std::vector<Block>& blocks, std::size_t rows) {
+OrthonormalBasis reduce(std::vector<Block>& blocks, std::size_t rows, const Progress& progress) {
   OrthonormalBasis model;
   model.add(Column(rows, 1.0));
-  for (const Block& block : blocks)
-    for (const Column& column : block.columns) model.add(column);
+  for (const Block& block : blocks) add_columns(block, model, progress);
   for (Block& block : blocks)
-    for (Column& column : block.columns) column = model.coordinates(column);
+    for (Column& column : block.columns) {
+      progress.check();
+      column = model.coordinates(column);
+    }
   return model;
 }
 
 /// What block t explains of y beyond all blocks that do not contain it, and its degrees of freedom.
-void explain(const std::vector<Block>& blocks, std::size_t t, const Column& y, AnovaTerm& term) {
+void explain(const std::vector<Block>& blocks, std::size_t t, const Column& y,
+             const Progress& progress, AnovaTerm& term) {
   OrthonormalBasis basis;
   Column mean(y.size(), 0.0);
   mean[0] = 1;
   basis.add(std::move(mean));
   for (const Block& block : blocks)
-    if (!block.contains(blocks[t]))
-      for (const Column& column : block.columns) basis.add(column);
+    if (!block.contains(blocks[t])) add_columns(block, basis, progress);
   const std::size_t others = basis.size();
-  for (const Column& column : blocks[t].columns) basis.add(column);
+  add_columns(blocks[t], basis, progress);
   term.df = basis.size() - others;
   const Column along = basis.coordinates(y);
   term.ss = sum_of_squares(std::span(along).subspan(others));
@@ -169,18 +194,18 @@ void leave_residual(const OrthonormalBasis& model, const Column& y, const std::s
 
 }  // namespace
 
-Anova anova(const Table& table, const AnovaConfig& config) {
+Anova anova(const Table& table, const AnovaConfig& config, const Progress& progress) {
   check_table(table);
   check_size(table, config.interactions);
   std::vector<Block> blocks = model_blocks(table, config.interactions);
   const Column y = centred(table.values);
-  const OrthonormalBasis model = reduce(blocks, y.size());
+  const OrthonormalBasis model = reduce(blocks, y.size(), progress);
   Anova result;
   leave_residual(model, y, table.response, result);
   const Column reduced = model.coordinates(y);
   for (std::size_t t = 0; t < blocks.size(); ++t) {
     AnovaTerm term{name_of(table, blocks[t]), blocks[t].factors};
-    explain(blocks, t, reduced, term);
+    explain(blocks, t, reduced, progress, term);
     if (term.df == 0)
       throw ValueError(fmt::format("{}: the effect of {} cannot be told from the other terms'",
                                    table.response, term.name));

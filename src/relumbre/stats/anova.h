@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "relumbre/base/progress.h"
 #include "relumbre/stats/distributions.h"
 #include "relumbre/stats/table.h"
 
@@ -34,13 +35,18 @@ struct Anova {
   std::vector<double> residuals;  ///< response minus what the model says, one a row
 };
 
+/// Models beyond this cost are refused: about a minute of one core.
+inline constexpr double kMaxAnovaFlops = 2e11;
+
 /// The fixed-effects analysis by least squares. Sums of squares are of type II: what a term
 /// explains beyond all terms that do not contain it. In a balanced table types I, II and III are
-/// the same, and the sums add up to the total. Cost: 4·n·p² + 4·t·p³ flops and 8·n·p bytes for n
-/// rows, p parameters and t terms. Throws as check_table; ValueError where there are no more rows
-/// than parameters, a term cannot be told from the others, the model leaves no residual, or n·p
-/// exceeds 2^26. Source: Fox 2016, §8.2 (types of sums of squares); Olejnik and Algina 2003 (effect
-/// sizes).
-Anova anova(const Table& table, const AnovaConfig& config = {});
+/// the same, and the sums add up to the total. Cost: up to 6·n·p² + 4·t·p³ flops and 8·n·p bytes
+/// for n rows, p parameters and t terms. Throws as check_table; ValueError where there are no more
+/// rows than parameters, a term cannot be told from the others, the model leaves no residual, n·p
+/// exceeds 2^26 or the flops exceed kMaxAnovaFlops; Cancelled, which `progress` is asked for at
+/// every parameter. Source: Fox 2016, §8.2 (types of sums of squares); Olejnik and Algina 2003
+/// (effect sizes).
+Anova anova(const Table& table, const AnovaConfig& config = {},
+            const Progress& progress = no_progress());
 
 }  // namespace relumbre

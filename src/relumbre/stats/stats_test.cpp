@@ -11,6 +11,7 @@
 #include "relumbre/stats/anova.h"
 #include "relumbre/stats/holm.h"
 #include "relumbre/stats/kruskal_wallis.h"
+#include "relumbre/stats/median.h"
 #include "relumbre/stats/normality.h"
 #include "relumbre/stats/orthonormal_basis.h"
 #include "relumbre/stats/ranks.h"
@@ -242,6 +243,37 @@ TEST(Anova, RefusesModelsThatAreTooLarge) {
   }
   table.factors = {make_factor("a", a), make_factor("b", b)};
   EXPECT_THAT(message_of([&] { anova(table, {.interactions = true}); }), HasSubstr("exceeds"));
+}
+
+TEST(Anova, RefusesModelsThatWouldTakeMinutes) {
+  const Table table = random_table(9800, {70, 70, 2}, 5);
+  EXPECT_EQ(message_of([&] { anova(table); }), "no error");
+  EXPECT_THAT(message_of([&] { anova(table, {.interactions = true}); }),
+              HasSubstr("operations, more than 2e+11"));
+}
+
+/// Wants to stop once it was asked so many times.
+class StopAtQuestion : public Progress {
+ public:
+  explicit StopAtQuestion(int questions) : left_(questions) {}
+  [[nodiscard]] bool cancelled() const override { return --left_ <= 0; }
+
+ private:
+  mutable int left_;
+};
+
+TEST(Anova, HearsThatItShouldStopAtEveryParameter) {
+  const Table table = random_table(200, {4, 3, 3}, 6);  // 1 + 7 main + 16 interaction parameters
+  for (const int question : {1, 9, 40, 60})
+    EXPECT_THROW((void)anova(table, {.interactions = true}, StopAtQuestion(question)), Cancelled)
+        << question;
+}
+
+TEST(Median, IsTheMiddleOrTheMeanOfTheTwoInTheMiddle) {
+  EXPECT_EQ(median_of({7}), 7);
+  EXPECT_EQ(median_of({3, 1}), 2);
+  EXPECT_EQ(median_of({9, 1, 4}), 4);
+  EXPECT_EQ(median_of({10, 2, 1, 4}), 3);
 }
 
 TEST(ShapiroWilk, IsOneForThreeEvenlySpacedValues) {

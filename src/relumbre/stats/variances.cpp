@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "relumbre/base/error.h"
+#include "relumbre/stats/median.h"
 
 namespace relumbre {
 
@@ -20,12 +21,6 @@ double squares_about(std::span<const double> values, double centre) {
   double sum = 0;
   for (const double v : values) sum += (v - centre) * (v - centre);
   return sum;
-}
-
-double median_of(std::vector<double> values) {
-  std::ranges::sort(values);
-  const std::size_t half = values.size() / 2;
-  return values.size() % 2 ? values[half] : (values[half - 1] + values[half]) / 2;
 }
 
 }  // namespace
