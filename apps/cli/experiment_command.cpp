@@ -19,21 +19,33 @@ struct Options {
   std::string plan, folder;
 };
 
+template <class T, class Name>
+std::string joined(const std::vector<T>& values, const Name& name) {
+  std::string text;
+  for (const T& value : values) text += (text.empty() ? "" : ", ") + name(value);
+  return text;
+}
+
 std::vector<std::pair<std::string, std::string>> facts(const ExperimentPlan& plan,
                                                        const std::string& file,
                                                        std::uint64_t hash) {
-  std::string sources;
-  for (const PlannedScene& scene : plan.scenes)
-    sources += (sources.empty() ? "" : ", ") + scene.name + " (" +
-               (scene.builtin.empty() ? scene.mesh.filename().string() : "built in") + ")";
+  const auto source = [](const PlannedScene& scene) {
+    return scene.name + " (" +
+           (scene.builtin.empty() ? scene.mesh.filename().string() : "built in") + ")";
+  };
   return {{"Plan", fs::path(file).filename().string()},
           {"Hash of the plan and its meshes", fmt::format("{:016x}", hash)},
           {"Program", std::string("relumbre ") + RELUMBRE_VERSION},
-          {"Scenes", sources},
+          {"Scenes", joined(plan.scenes, source)},
           {"Voxels", plan.separating == 6 ? "thin (6-separating)" : "conservative (26-separating)"},
           {"Camera", plan.camera_file.empty() ? "automatic: all of the cube, from three quarters "
                                                 "above"
                                               : plan.camera_file.filename().string()},
+          {"Geometry units", joined(plan.gts, [](std::uint32_t g) { return std::to_string(g); })},
+          {"Traversal", joined(plan.traversals,
+                               [](const PlannedTraversal& t) {
+                                 return t ? to_string(t) : std::string("the machine's own");
+                               })},
           {"Caches", plan.ways == 1 ? "direct-mapped"
                      : plan.ways == 0
                          ? "fully associative, " + to_string(plan.replacement)
