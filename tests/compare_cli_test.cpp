@@ -31,8 +31,7 @@ class CompareCli : public testing::Test {
     save_image(folder_ / name, image, {.curve = ToneCurve::kSrgb});
   }
   void expect_refused(const std::string& arguments, int status, const std::string& reason) const {
-    EXPECT_EQ(run(arguments), status) << arguments;
-    EXPECT_NE(read("err.txt").find(reason), std::string::npos) << read("err.txt");
+    folder_.expect_refused("compare " + arguments, {reason}, status);
   }
 
  private:

@@ -41,16 +41,7 @@ class DofFixture : public testing::Test {
   static void expect_refused(const std::string& arguments, int status,
                              const std::vector<std::string>& reasons,
                              const std::string& output = "-o refused.exr") {
-    const auto before = files();
-    EXPECT_EQ(dof(arguments + " " + output), status) << arguments << read("err.txt");
-    const std::string error = read("err.txt");
-    for (const std::string& reason : reasons)
-      EXPECT_NE(error.find(reason), std::string::npos) << arguments << ": " << error;
-    if (status == 1) {
-      EXPECT_TRUE(error.starts_with("relumbre: ")) << error;
-      EXPECT_EQ(std::ranges::count(error, '\n'), 1) << error;
-    }
-    EXPECT_EQ(files(), before) << arguments;
+    folder_->expect_refused("dof " + arguments + " " + output, reasons, status);
   }
 
   /// Colours and depths at random.

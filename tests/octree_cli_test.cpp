@@ -31,12 +31,7 @@ class OctreeCli : public testing::Test {
     return nlohmann::json::parse(folder_->read("f.json"));
   }
   static void expect_refused(const std::string& arguments, const std::string& reason) {
-    const std::size_t before = folder_->files();
-    const Outcome outcome = run(arguments);
-    EXPECT_EQ(outcome.status, 1) << arguments << outcome.err;
-    EXPECT_EQ(std::ranges::count(outcome.err, '\n'), 1) << outcome.err;
-    EXPECT_NE(outcome.err.find(reason), std::string::npos) << outcome.err;
-    EXPECT_EQ(folder_->files(), before) << arguments;
+    folder_->expect_refused("voxelize " + arguments, {reason});
   }
 
   inline static ProgramFolder* folder_ = nullptr;

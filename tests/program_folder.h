@@ -1,11 +1,14 @@
 /// A folder in which a test runs the program as a user would.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdlib>
 #include <filesystem>
 #include <string>
+#include <vector>
 
+#include <gtest/gtest.h>
 #include <sys/wait.h>
 
 #include "relumbre/base/atomic_file.h"
@@ -68,6 +71,21 @@ class ProgramFolder {
       count += name != "out.txt" && name != "err.txt";
     }
     return count;
+  }
+  /// Expects bad input's outcome: this status, every one of the reasons on standard error, which
+  /// for status 1 is one line, and no file more than before.
+  void expect_refused(const std::string& arguments, const std::vector<std::string>& reasons,
+                      int status = 1) const {
+    const std::size_t before = files();
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.status, status) << arguments << "\n" << outcome.err;
+    for (const std::string& reason : reasons)
+      EXPECT_NE(outcome.err.find(reason), std::string::npos) << arguments << ": " << outcome.err;
+    if (status == 1) {
+      EXPECT_TRUE(outcome.err.starts_with("relumbre: ")) << outcome.err;
+      EXPECT_EQ(std::ranges::count(outcome.err, '\n'), 1) << outcome.err;
+    }
+    EXPECT_EQ(files(), before) << arguments;
   }
 
  private:
