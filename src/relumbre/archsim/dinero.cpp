@@ -1,6 +1,5 @@
 #include "relumbre/archsim/dinero.h"
 
-#include <fstream>
 #include <iterator>
 #include <string>
 
@@ -8,7 +7,7 @@
 
 #include "relumbre/archsim/metrics.h"
 #include "relumbre/archsim/replay.h"
-#include "relumbre/base/atomic_file.h"
+#include "relumbre/base/atomic_stream.h"
 #include "relumbre/base/error.h"
 
 namespace relumbre {
@@ -31,12 +30,10 @@ void write_dinero(const std::filesystem::path& file, const Trace& trace,
   constexpr std::size_t kBuffer = std::size_t{1} << 20;
   check(trace, config);
   const Tiles tiles(trace.shape().width, trace.shape().height, config.tile, config.gts);
-  AtomicFile atomic(file);
-  std::ofstream out(atomic.path(), std::ios::binary);
+  AtomicStream out(file);
   std::string text;
   const auto flush = [&] {
-    out.write(text.data(), static_cast<std::streamsize>(text.size()));
-    if (!out) throw FileError(file.string(), "cannot be written (is the disk full?)");
+    out.write(text);
     text.clear();
   };
   PathDecoder decode;
@@ -49,9 +46,7 @@ void write_dinero(const std::filesystem::path& file, const Trace& trace,
     }
   });
   flush();
-  out.close();
-  if (!out) throw FileError(file.string(), "cannot be written (is the disk full?)");
-  atomic.commit();
+  out.commit();
 }
 
 }  // namespace relumbre

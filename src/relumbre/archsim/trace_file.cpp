@@ -13,7 +13,7 @@
 #include <fmt/format.h>
 #include <zstd.h>
 
-#include "relumbre/base/atomic_file.h"
+#include "relumbre/base/atomic_stream.h"
 #include "relumbre/base/content_hash.h"
 #include "relumbre/base/error.h"
 #include "relumbre/base/mapped_file.h"
@@ -94,18 +94,11 @@ std::vector<std::byte> compressed(const std::vector<std::byte>& content, const s
 
 void write_all(const std::filesystem::path& file, std::span<const std::byte> header,
                std::span<const std::byte> table, const std::vector<std::vector<std::byte>>& bands) {
-  AtomicFile atomic(file);
-  std::ofstream out(atomic.path(), std::ios::binary);
-  const auto write = [&out](std::span<const std::byte> bytes) {
-    out.write(reinterpret_cast<const char*>(bytes.data()),
-              static_cast<std::streamsize>(bytes.size()));
-  };
-  write(header);
-  write(table);
-  for (const auto& band : bands) write(band);
-  out.close();
-  if (!out) throw FileError(file.string(), "cannot be written (is the disk full?)");
-  atomic.commit();
+  AtomicStream out(file);
+  out.write(header);
+  out.write(table);
+  for (const auto& band : bands) out.write(std::span(band));
+  out.commit();
 }
 
 // --- reading ---------------------------------------------------------------------------------

@@ -3,10 +3,9 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <fstream>
 #include <string>
 
-#include "relumbre/base/atomic_file.h"
+#include "relumbre/base/atomic_stream.h"
 #include "relumbre/base/error.h"
 #include "relumbre/octree/display_color.h"
 #include "relumbre/octree/morton.h"
@@ -51,11 +50,10 @@ void append_point(std::string& bytes, const VoxelTree& tree, std::uint64_t code,
 
 void write_points(const std::filesystem::path& file, const VoxelTree& tree, float exposure) {
   constexpr std::size_t kBuffer = std::size_t{1} << 20;
-  AtomicFile atomic(file);
-  std::ofstream out(atomic.path(), std::ios::binary);
+  AtomicStream out(file);
   std::string bytes = header(tree);
   const auto flush = [&] {
-    out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    out.write(bytes);
     bytes.clear();
   };
   for_each_voxel(tree, [&](std::uint64_t code, std::uint64_t index) {
@@ -63,9 +61,7 @@ void write_points(const std::filesystem::path& file, const VoxelTree& tree, floa
     if (bytes.size() > kBuffer) flush();
   });
   flush();
-  out.close();
-  if (!out) throw FileError(file.string(), "cannot be written (is the disk full?)");
-  atomic.commit();
+  out.commit();
 }
 
 }  // namespace relumbre

@@ -4,14 +4,13 @@
 #include <cmath>
 #include <cstddef>
 #include <cstring>
-#include <fstream>
 #include <memory>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "relumbre/base/atomic_file.h"
+#include "relumbre/base/atomic_stream.h"
 #include "relumbre/base/content_hash.h"
 #include "relumbre/base/error.h"
 #include "relumbre/base/mapped_file.h"
@@ -71,10 +70,7 @@ std::uint64_t hash_of(std::span<const std::byte> bytes) {
 /// Sections one behind the other, each hashed, and at last the header before them.
 class SectionWriter {
  public:
-  explicit SectionWriter(const std::filesystem::path& file)
-      : name_(file.string()), atomic_(file), out_(atomic_.path(), std::ios::binary) {
-    skip_to(kAlignment);
-  }
+  explicit SectionWriter(const std::filesystem::path& file) : out_(file) { skip_to(kAlignment); }
   void begin(Section section) {
     skip_to((at_ + kAlignment - 1) / kAlignment * kAlignment);
     section_ = section;
@@ -95,31 +91,22 @@ class SectionWriter {
     header_.section = sections;
     header_.file_bytes = at_;
     header_.hash = header_.computed_hash();
-    out_.seekp(0);
+    out_.seek(0);
     write(std::as_bytes(std::span(&header_, 1)));
-    out_.close();
-    check();
-    atomic_.commit();
+    out_.commit();
   }
 
  private:
   void write(std::span<const std::byte> bytes) {
-    out_.write(reinterpret_cast<const char*>(bytes.data()),
-               static_cast<std::streamsize>(bytes.size()));
+    out_.write(bytes);
     at_ += bytes.size();
-    check();
-  }
-  void check() const {
-    if (!out_) throw FileError(name_, "cannot be written (is the disk full?)");
   }
   void skip_to(std::uint64_t offset) {
     const std::vector<std::byte> zeros(offset - at_);
     write(zeros);
   }
 
-  std::string name_;
-  AtomicFile atomic_;
-  std::ofstream out_;
+  AtomicStream out_;
   std::uint64_t at_ = 0;
   Section section_ = kNodes;
   Header header_;
