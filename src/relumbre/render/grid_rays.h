@@ -14,15 +14,14 @@ class GridRays {
   /// With nodes of up to `detail` pixels hit as they are: see CastRay. Throws as CameraRays.
   GridRays(const Cube& cube, unsigned depth, const Camera& camera, std::size_t width,
            std::size_t height, double detail = 0)
-      : cube_(cube),
-        depth_(depth),
-        rays_(camera, width, height),
-        voxels_per_metre_(std::ldexp(1.0, static_cast<int>(depth_)) / cube_.edge),
+      : rays_(camera, width, height),
+        voxels_per_metre_(std::ldexp(1.0, static_cast<int>(depth)) / cube.edge),
+        origin_(cube.to_voxels(Vec3d(camera.eye), depth)),
         spread_(detail / rays_.pixels_per_tangent() * voxels_per_metre_) {}
 
   [[nodiscard]] CastRay through(float x, float y) const {
     const Ray ray = rays_.through(x, y);
-    return {.origin = cube_.to_voxels(Vec3d(ray.origin), depth_),
+    return {.origin = origin_,
             .direction = Vec3d(ray.direction) * voxels_per_metre_,
             .spread = spread_};
   }
@@ -31,10 +30,10 @@ class GridRays {
   }
 
  private:
-  Cube cube_;
-  unsigned depth_;
   CameraRays rays_;
-  double voxels_per_metre_, spread_;
+  double voxels_per_metre_;
+  Vec3d origin_;
+  double spread_;
 };
 
 }  // namespace relumbre
