@@ -4,6 +4,12 @@
 // 1280 x 720 primary rays in squares of 16 x 16 pixels, in Morton order within, and from each hit
 // one diffuse ray out of the voxel's face. Everything runs on all threads, the same rays in the
 // same order, made beforehand. A trace from the root of the octree of words decides what is right.
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <limits>
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "bare_embree.h"
@@ -242,28 +248,98 @@ void compare(Report& report, const std::string& name, const Scene& scene, unsign
   contest.compare(label + ", diffuse", diffuse_rays(tree, primary));
 }
 
-/// Random rays through the cube at depth 7.
-void check_random(Report& report, const Scene& scene) {
-  const VoxelTree tree = build_voxels(scene, {.depth = 7, .surface = {}});
-  const Octree words = words_of(tree);
-  std::vector<CastRay> rays(1'000'000);
+// -------------------------------------------------------------------- against a walk of all voxels
+
+/// The first voxel by the definition of a hit (grid_ray.h) alone: every voxel is compared with the
+/// ray, by the times at which it passes the grid's planes.
+class BruteForce {
+ public:
+  explicit BruteForce(const VoxelTree& tree) : edge_(std::size_t{1} << tree.depth()) {
+    for (const std::uint64_t code : voxel_codes(tree)) cells_.push_back(morton_decode(code));
+  }
+
+  [[nodiscard]] std::optional<VoxelHit> first_hit(const GridRay& ray) const {
+    std::array<std::vector<double>, 3> near, far;  // of the cells of a coordinate
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      for (std::size_t k = 0; k < edge_; ++k) {
+        const auto time = [&](std::size_t plane) {
+          return (static_cast<double>(plane) - ray.origin()[axis]) * ray.inverse()[axis];
+        };
+        near[axis].push_back(std::min(time(k), time(k + 1)));
+        far[axis].push_back(std::max(time(k), time(k + 1)));
+      }
+    }
+    const Cell* first = nullptr;
+    double least = std::numeric_limits<double>::infinity();
+    for (const Cell& c : cells_) {
+      const double enter = std::max({0.0, near[0][c.x], near[1][c.y], near[2][c.z]});
+      const double exit = std::min({far[0][c.x], far[1][c.y], far[2][c.z]});
+      if (enter < exit && enter < least) least = enter, first = &c;
+    }
+    return first != nullptr ? intersect_voxel(ray, *first) : std::nullopt;
+  }
+
+ private:
+  std::size_t edge_;
+  std::vector<Cell> cells_;
+};
+
+/// A million random rays through the cube of this edge and around it, and a tenth as many along
+/// axes, faces, edges and diagonals of cells and through their corners.
+std::vector<CastRay> rays_of_all_sorts(double edge) {
+  std::vector<CastRay> rays(1'100'000);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     RandomStream random(i);
     const auto point = [&] { return Vec3d(random.uniform(), random.uniform(), random.uniform()); };
-    const Vec3d from = point() * 256.0 - Vec3d(64), to = point() * 128.0;
-    rays[i] = {.origin = from, .direction = to - from};
+    const auto whole = [](Vec3d p) {
+      return Vec3d(std::floor(p.x), std::floor(p.y), std::floor(p.z));
+    };
+    const Vec3d from = point() * 2.0 * edge - Vec3d(edge / 2), to = point() * edge;
+    if (i % 11 != 10)
+      rays[i] = {.origin = from, .direction = to - from};
+    else  // from multiples of a half, by -1, 0 or 1 along each axis
+      rays[i] = {.origin = whole(from * 2.0) / 2.0, .direction = whole(point() * 3.0) - Vec3d(1)};
   }
+  return rays;
+}
+
+/// Every traversal on the bunny at depth 7.
+void check_all_voxels(Report& report, const Scene& scene) {
+  const VoxelTree tree = build_voxels(scene, {.depth = 7, .surface = {}});
+  const Octree words = words_of(tree);
+  const BruteForce brute_force(tree);
+  const std::vector<CastRay> rays = rays_of_all_sorts(128);
+  std::vector<std::optional<VoxelHit>> expected(rays.size());
+  parallel_for(0, rays.size(), 64, [&](std::size_t i) {
+    expected[i] = brute_force.first_hit(GridRay(rays[i].origin, rays[i].direction));
+  });
+  const std::string label = "bunny, depth 7, every voxel against every ray: ";
+  const auto count = [&](const std::string& name, const auto& hit) {
+    std::atomic<std::size_t> wrong = 0;
+    parallel_for(0, rays.size(), kGrain, [&](std::size_t i) { wrong += hit(i) != expected[i]; });
+    report.figure(label + name + ", wrong", static_cast<double>(wrong), "");
+  };
+  const auto voxel = [](const TreeHit& hit) {
+    return hit ? std::optional(hit.voxel) : std::nullopt;
+  };
   std::vector<TreeHit> hits(rays.size());
   cast(tree, rays, hits);
-  std::size_t found = 0, wrong = 0;
-  for (std::size_t i = 0; i < rays.size(); ++i) {
-    const auto expected = trace(words, GridRay(rays[i].origin, rays[i].direction), {});
-    found += expected.has_value();
-    wrong += bool{hits[i]} != expected.has_value() || (expected && hits[i].voxel != *expected);
-  }
-  report.figure("bunny, depth 7, random rays", static_cast<double>(rays.size()), "");
-  report.figure("bunny, depth 7, random rays that hit", static_cast<double>(found), "");
-  report.figure("bunny, depth 7, random rays that are wrong", static_cast<double>(wrong), "");
+  report.figure(label + "rays", static_cast<double>(rays.size()), "");
+  report.figure(label + "hits",
+                static_cast<double>(std::ranges::count_if(
+                    expected, [](const auto& hit) { return hit.has_value(); })),
+                "");
+  count("ours, batch", [&](std::size_t i) { return voxel(hits[i]); });
+  count("ours, one by one", [&](std::size_t i) { return voxel(cast(tree, rays[i])); });
+  using enum Traversal::Kind;
+  const std::pair<const char*, Traversal> kTraversals[] = {{"restart", {kRestart}},
+                                                           {"backtrack", {kBacktrack}},
+                                                           {"full stack", {kFullStack}},
+                                                           {"short stack of 4", {kShortStack, 4}}};
+  for (const auto& [name, traversal] : kTraversals)
+    count(name, [&, t = traversal](std::size_t i) {
+      return trace(words, GridRay(rays[i].origin, rays[i].direction), t);
+    });
 }
 
 int run(int argc, char** argv) {
@@ -278,7 +354,7 @@ int run(int argc, char** argv) {
   compare(report, "bunny", *bunny, 10);
   compare(report, "dragon", *dragon, 10);
   compare(report, "dragon", *dragon, 11);
-  check_random(report, *bunny);
+  check_all_voxels(report, *bunny);
   return report.finish();
 }
 
