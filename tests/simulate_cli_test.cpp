@@ -132,6 +132,9 @@ TEST_F(SimulateCli, BadInputIsRefusedInOneLine) {
   EXPECT_EQ(run("t.glb --gts 0").status, 2);
   EXPECT_EQ(run("t.glb --tile 0").status, 2);
   EXPECT_EQ(run("t.glb --ways -1").status, 2);
+  EXPECT_EQ(run("t.glb --stack 3").status, 2);
+  EXPECT_EQ(run("t.glb --replacement fifo").status, 2);
+  EXPECT_EQ(run("t.glb --ways 2 --seed 3").status, 2);
   EXPECT_EQ(run("t.glb --trace-level 2 --trace t.rlt").status, 2);
   expect_refused("t.glb --size 100000x100000", "100000");
   EXPECT_EQ(run("t.glb --traversal fast").status, 2);

@@ -82,6 +82,7 @@ void report_traversal(const Image& image, Session& session) {
 void run(Options options, Session& session) {
   parse_size(options.picture.size, options.view.width, options.view.height);
   check_heat_map(options);
+  check_traversal_options(*options.command, options.traversal);
   options.view.traversal = traversal_of(options);
   check_pictures(options.picture, "raycast");
   const RloFile file = read_rlo(options.octree);

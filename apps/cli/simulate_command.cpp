@@ -211,6 +211,16 @@ void check_outputs(const Options& options) {
   if (!options.heat_map.empty()) check_pictures({.outputs = {options.heat_map}}, "simulate");
 }
 
+/// Options that would have no say.
+void check_options(const Options& options) {
+  if (extension(options.scene.file) != ".rlt")
+    check_traversal_options(*options.command, options.traversal);
+  if (options.machine.ways == 1 && options.is_given("--replacement"))
+    throw CLI::ValidationError("--replacement", "has no choice in caches of 1 way");
+  if (options.is_given("--seed") && options.replacement != "random")
+    throw CLI::ValidationError("--seed", "is of --replacement random");
+}
+
 /// A machine that cannot be built is refused before rays are cast.
 void check_machine(const MachineConfig& machine) {
   const MemoryHierarchy smallest({.levels = static_cast<int>(kUpperLines.size()) + 1,
@@ -251,6 +261,7 @@ void write_outputs(const Options& options, const Trace& trace, Session& session)
 
 void run(Options options, Session& session) {
   check_outputs(options);
+  check_options(options);
   options.machine.replacement = kReplacements.at(options.replacement);
   check_machine(options.machine);
   const Trace trace = read_or_cast(options, session);

@@ -25,6 +25,11 @@ void add_traversal_options(CLI::App& command, TraversalOptions& options, const s
       ->capture_default_str();
 }
 
+void check_traversal_options(const CLI::App& command, const TraversalOptions& options) {
+  if (command.count("--stack") > 0 && options.name != "short-stack")
+    throw CLI::ValidationError("--stack", "is of --traversal short-stack");
+}
+
 std::optional<Traversal> published_traversal(const std::string& name, int stack_nodes) {
   const auto found = kPublished.find(name);
   if (found == kPublished.end()) return std::nullopt;

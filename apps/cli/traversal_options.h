@@ -18,6 +18,9 @@ struct TraversalOptions {
 void add_traversal_options(CLI::App& command, TraversalOptions& options, const std::string& own,
                            const std::string& description);
 
+/// Throws CLI::ValidationError for --stack without a short stack.
+void check_traversal_options(const CLI::App& command, const TraversalOptions& options);
+
 /// The published traversal of this name; none for any other name.
 std::optional<Traversal> published_traversal(const std::string& name, int stack_nodes);
 
