@@ -69,8 +69,8 @@ class ReportWriter {
         "Means over tiles, resolutions and whatever else varies. Logarithmic.");
     add(figure_by_level(input_.cells), "Hits over reads, summed over all cells of a scene.");
     add(figure_cache_size(input_.cells),
-        "Left: mean L of a resolution. Right: the words that one unit's caches hold, without "
-        "tags.");
+        "Left: mean L of a resolution. Middle: the words in lines that were ever filled, a unit's "
+        "mean. Right: the words that one unit's caches can hold. Without tags.");
   }
 
   void response(const std::string& name, const std::string& file, const std::string& unit,

@@ -64,10 +64,17 @@ double place_of(const std::vector<T>& sorted, const T& value) {
   return static_cast<double>(std::ranges::lower_bound(sorted, value) - sorted.begin());
 }
 
-Panel scene_panel(std::span<const ExperimentCell> cells, const std::string& scene, bool log) {
+/// Logarithmic, unless some cells fetched nothing: their pictures miss the cube.
+Scale scale_of_fetches(std::span<const ExperimentCell> cells) {
+  const bool all =
+      std::ranges::all_of(cells, [](const ExperimentCell& cell) { return cell_fetches(cell) > 0; });
+  return all ? Scale::kLog10 : Scale::kLinear;
+}
+
+Panel scene_panel(std::span<const ExperimentCell> cells, const std::string& scene) {
   const std::vector<std::uint64_t> lines = sorted_lines(cells);
   Panel panel{scene, {"cache lines of a deep level", Scale::kCategories}, {"M (words fetched)"}};
-  if (log) panel.y.scale = Scale::kLog10;
+  panel.y.scale = scale_of_fetches(cells);
   for (const std::uint64_t l : lines) panel.x.categories.push_back(std::to_string(l));
   for (const std::uint32_t depth : sorted_depths(cells)) {
     Means means;
@@ -123,7 +130,27 @@ Panel cache_size_panel(std::span<const ExperimentCell> cells) {
   return panel;
 }
 
+/// What the words in use take: lines that were ever filled.
+Panel cache_use_panel(std::span<const ExperimentCell> cells) {
+  Panel panel{"lines that are used", depth_axis(cells), {"size (MB)", scale_of_fetches(cells)}};
+  const std::vector<std::uint32_t> depths = sorted_depths(cells);
+  for (const std::string& resolution : names_of(cells, cell_resolution)) {
+    Means means;
+    for (const ExperimentCell& cell : cells)
+      if (cell_resolution(cell) == resolution)
+        means.add(place_of(depths, cell.depth), used_cache_bytes(cell) / 1e6);
+    panel.series.push_back({resolution, means.points()});
+  }
+  return panel;
+}
+
 }  // namespace
+
+double used_cache_bytes(const ExperimentCell& cell) {
+  std::uint64_t lines = 0;
+  for (const CellLevel& level : cell.levels) lines += level.lines_used;
+  return static_cast<double>(lines * kWordBytes) / cell.gts;
+}
 
 double unit_cache_bytes(std::uint32_t depth, std::uint64_t lines) {
   std::uint64_t words = 0;
@@ -150,10 +177,8 @@ NamedFigure figure_by_factor(const ResponseAnalysis& analysis, const std::string
 
 NamedFigure figure_by_scene(std::span<const ExperimentCell> cells) {
   NamedFigure result{"m-by-scene", {"M against cache lines, for every depth and scene"}};
-  const bool log =
-      std::ranges::all_of(cells, [](const ExperimentCell& c) { return cell_fetches(c) > 0; });
   for (const std::string& scene : names_of(cells, [](const ExperimentCell& c) { return c.scene; }))
-    result.figure.panels.push_back(scene_panel(cells, scene, log));
+    result.figure.panels.push_back(scene_panel(cells, scene));
   result.figure.columns = 2;
   result.figure.share_y = true;
   result.figure.palette = SeriesColors::kOrdered;
@@ -185,8 +210,10 @@ NamedFigure figure_by_level(std::span<const ExperimentCell> cells) {
 
 NamedFigure figure_cache_size(std::span<const ExperimentCell> cells) {
   NamedFigure result{"cache-size", {"Hit rate and size of the caches, by depth"}};
-  result.figure.panels = {hit_rate_panel(cells), cache_size_panel(cells)};
-  result.figure.columns = 2;
+  result.figure.panels = {hit_rate_panel(cells), cache_use_panel(cells), cache_size_panel(cells)};
+  result.figure.columns = 3;
+  result.figure.width = 270;
+  result.figure.height = 200;
   return result;
 }
 

@@ -28,8 +28,9 @@ NamedFigure figure_by_scene(std::span<const ExperimentCell> cells);
 /// depth, a curve a scene: Σ hits / Σ reads.
 NamedFigure figure_by_level(std::span<const ExperimentCell> cells);
 
-/// L over depth, a curve a resolution, and what all caches of one geometry unit hold, in MB (10^6
-/// bytes) at 2 bytes a line, a curve for each number of lines.
+/// Over depth: L, a curve a resolution; the words that one geometry unit's caches really held, in
+/// MB (10^6 bytes) at 2 bytes a line, a curve a resolution; and those that they can hold, a curve
+/// for each number of lines.
 NamedFigure figure_cache_size(std::span<const ExperimentCell> cells);
 
 /// The distribution of the residuals of the analysis of variance, and its normal Q-Q plot; for an
@@ -39,5 +40,8 @@ NamedFigure figure_residuals(const ResponseAnalysis& analysis, const std::string
 /// Bytes of the caches of a geometry unit: 8, 64 and 512 lines for levels 0, 1 and 2, `lines` for
 /// each deeper one, a word of 2 bytes in each. Tags are not counted.
 double unit_cache_bytes(std::uint32_t depth, std::uint64_t lines);
+
+/// Bytes of a geometry unit's cache lines that were ever filled, the mean over units.
+double used_cache_bytes(const ExperimentCell& cell);
 
 }  // namespace relumbre

@@ -299,6 +299,12 @@ TEST(ExperimentReport, RefusesNoCellsAndCellsWithoutTheirLevels) {
   EXPECT_THROW((void)make_report({"t", {}, cells, {}}), ValueError);
 }
 
+TEST(CacheSize, InUseIsAWordALineOfEachUnit) {
+  ExperimentCell cell{.depth = 2};
+  cell.gts = 2, cell.levels = {{.lines_used = 2}, {.lines_used = 10}};
+  EXPECT_EQ(used_cache_bytes(cell), 12);
+}
+
 TEST(CacheSize, ByHand) {
   EXPECT_EQ(unit_cache_bytes(2, 512), 2 * (8 + 64));
   EXPECT_EQ(unit_cache_bytes(5, 4096), 2 * (8 + 64 + 512 + 2 * 4096));
