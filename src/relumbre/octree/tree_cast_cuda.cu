@@ -49,8 +49,8 @@ __device__ std::size_t ray_of(std::size_t thread, std::size_t count, std::size_t
 }
 
 __global__ void __launch_bounds__(kThreads)
-    cast_rays(TreePointers tree, const CastRay* rays, TreeHit* hits, std::size_t count,
-              std::size_t width) {
+    cast_rays(const __grid_constant__ TreePointers tree, const CastRay* rays, TreeHit* hits,
+              std::size_t count, std::size_t width) {
   const std::size_t thread = std::size_t{blockIdx.x} * kThreads + threadIdx.x;
   const std::size_t i = ray_of(thread, count, width);
   if (i < count) hits[i] = TreeWalk<TreePointers, IndexStack>(tree, rays[i]).first_hit();
