@@ -22,5 +22,7 @@ void store_release(T* at, T value) {
   *at = value;
 }
 inline void add_without_result(float* at, float value) { atomicAdd(at, value); }
+template <class T>
+void forget(T&) {}
 
 }  // namespace relumbre::cuda
