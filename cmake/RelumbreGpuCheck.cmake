@@ -21,9 +21,12 @@ function(relumbre_portable name)
   target_link_libraries(relumbre_${name} PUBLIC ${ARG_DEPENDS} Threads::Threads PRIVATE relumbre_options)
 endfunction()
 
-relumbre_portable(base SOURCES content_hash.cpp huge_array.cpp parallel_std.cpp progress.cpp sampling.cpp)
-relumbre_portable(octree SOURCES cube.cpp morton.cpp voxel_tree.cpp voxel_tree_builder.cpp voxel_value.cpp
-                  DEPENDS base)
+relumbre_portable(base SOURCES atomic_file.cpp atomic_stream.cpp content_hash.cpp huge_array.cpp mapped_file.cpp parallel_std.cpp
+                               progress.cpp sampling.cpp)
+relumbre_portable(scan SOURCES ../../../tests/bare/scan_kernels.cpp DEPENDS base)
+relumbre_portable(octree SOURCES brick.cpp brick_lists.cpp clipped_triangle.cpp cube.cpp morton.cpp rlo_file.cpp triangle_cells.cpp
+                                 voxel_tree.cpp voxel_tree_builder.cpp voxel_value.cpp voxelize.cpp
+                  DEPENDS scan)
 relumbre_portable(radiosity SOURCES operator_input.cpp relight_operator.cpp sparse_counts.cpp DEPENDS base)
 
 include(RelumbreCuda)
