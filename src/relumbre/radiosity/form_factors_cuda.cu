@@ -27,8 +27,6 @@ using namespace form_factors_kernel;
 
 /// Batches in flight: one is prepared or handed over while two are on the device.
 constexpr std::size_t kSlots = 3;
-/// Counts that a batch has room for, unless a single row needs more.
-constexpr std::size_t kCountsPerBatch = std::size_t{1} << 23;
 constexpr std::size_t kRowsPerBatch = std::size_t{1} << 16;
 /// Rays of a tile, so that threads rarely wait for its last ones.
 constexpr std::uint32_t kRaysPerTile = 4096;
@@ -69,13 +67,13 @@ std::size_t most_facets(const Tessellation& tessellation, std::size_t first_row,
 }
 
 Plan make_plan(const Tessellation& tessellation, std::uint32_t rays, std::size_t columns,
-               std::size_t first_row, std::size_t free_bytes) {
+               std::size_t first_row, const RowBatchConfig& batch, std::size_t free_bytes) {
   Plan plan{};
   plan.layout = {static_cast<std::uint32_t>(columns)};
   const std::size_t rows = std::max<std::size_t>(1, tessellation.elements() - first_row);
   const std::size_t row_counts = std::min<std::size_t>(rays, columns);
   plan.rows_per_batch =
-      std::min(rows, std::clamp<std::size_t>(kCountsPerBatch / row_counts, 1, kRowsPerBatch));
+      std::min(rows, std::clamp<std::size_t>(batch.counts / row_counts, 1, kRowsPerBatch));
   plan.counts_per_batch = plan.rows_per_batch * row_counts;
   plan.facets_per_batch = most_facets(tessellation, first_row, plan.rows_per_batch);
 
@@ -257,7 +255,7 @@ SparseCounts no_rows(std::size_t columns, std::uint32_t rays) {
 
 void trace_form_factors(const TriangleMesh& mesh, const Tessellation& tessellation,
                         const FormFactorConfig& config, Binning binning, std::size_t first_row,
-                        const RowSink& sink, Progress& progress) {
+                        const RowSink& sink, Progress& progress, const RowBatchConfig& batch) {
   check_rows(tessellation, config, first_row);
   const RayPattern pattern(config.rays);
   const std::size_t columns = columns_of(tessellation, binning);
@@ -273,7 +271,8 @@ void trace_form_factors(const TriangleMesh& mesh, const Tessellation& tessellati
     const LabelLocator locator = label_locator(tessellation, binning);
     const std::size_t bytes = Shared::bytes(bvh, locator, pattern);
     const std::size_t free = current_device().free_bytes;
-    plan = make_plan(tessellation, config.rays, columns, first_row, free - std::min(free, bytes));
+    plan = make_plan(tessellation, config.rays, columns, first_row, batch,
+                     free - std::min(free, bytes));
     expect_free(bytes + kSlots * plan.slot_bytes(), "form factors");
     shared.emplace(bvh, locator, pattern);
   }

@@ -1,19 +1,18 @@
-#include <map>
+#include <cstddef>
+#include <numeric>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "relumbre/base/error.h"
+#include "relumbre/cuda/device.h"
 #include "relumbre/cuda/error.h"
 #include "relumbre/cuda/testing.h"
 #include "relumbre/geometry/test_shapes.h"
-#include "relumbre/radiosity/emitting_surface.h"
 #include "relumbre/radiosity/form_factor_rows.h"
 #include "relumbre/radiosity/form_factors_cuda.h"
-#include "relumbre/radiosity/hit_labels.h"
-#include "relumbre/radiosity/ray_maps.h"
-#include "relumbre/radiosity/ray_pattern.h"
-#include "relumbre/visibility/bvh_tracer.h"
+#include "relumbre/radiosity/scalar_form_factors.h"
 
 namespace relumbre::cuda {
 namespace {
@@ -71,52 +70,13 @@ FormFactors joined(const std::vector<Block>& blocks) {
   return all;
 }
 
-/// The column that a ray lands on.
-std::uint32_t land(const EmittingSurface& surface, const std::array<float, 4>& at,
-                   const BvhTracer& scene, const LabelLocator& locator) {
-  ray_maps::Point point{at[0], at[1], at[2], at[3]};
-  const std::uint32_t facet = ray_maps::choose_facet(
-      surface.cumulative(), static_cast<std::uint32_t>(surface.size()), point.x);
-  alignas(16) const EmittingSurface::Record record = surface.records()[facet];
-  const ElementRay ray = element_ray(record.data(), point);
-  const Hit hit = scene.closest({{ray.origin_x, ray.origin_y, ray.origin_z},
-                                 0,
-                                 {ray.direction_x, ray.direction_y, ray.direction_z}});
-  if (!hit) return kEscaped;
-  const std::uint32_t label = locator.find(hit.triangle, hit.back, hit.u, hit.v);
-  return label == kNone ? kAbsorbed : label;
-}
-
 /// One ray after the other, on the CPU.
 FormFactors plainly_traced(const TriangleMesh& mesh, const Tessellation& tessellation,
                            const FormFactorConfig& config, Binning binning) {
-  const BvhTracer scene(mesh);
-  const LabelLocator locator = label_locator(tessellation, binning);
-  const RayPattern pattern(config.rays);
-  FormFactors all;
-  all.counts.columns = columns_of(tessellation, binning), all.counts.rays = config.rays;
-  for (std::size_t element = 0; element < tessellation.elements(); ++element) {
-    EmittingSurface surface;
-    load_element(tessellation, element, ray_epsilon(mesh), surface);
-    const DigitalShift shift = digital_shift(config.seed, element);
-    std::map<std::uint32_t, std::uint32_t> row;
-    for (std::size_t r = 0; r < config.rays; ++r) {
-      std::array<float, 4> at{};
-      for (std::size_t d = 0; d < 4; ++d)
-        at[d] = ray_maps::to_cell(pattern.coordinate(d)[r] ^ shift[d]);
-      const std::uint32_t column = land(surface, at, scene, locator);
-      if (column < kAbsorbed) ++row[column];
-      all.tally.hits += column < kAbsorbed ? 1 : 0;
-      all.tally.back_face += column == kAbsorbed ? 1 : 0;
-      all.tally.escaped += column == kEscaped ? 1 : 0;
-    }
-    for (const auto& [column, count] : row) {
-      all.counts.column.push_back(column);
-      all.counts.count.push_back(count);
-    }
-    all.counts.row_offsets.push_back(all.counts.column.size());
-  }
-  return all;
+  std::vector<std::uint32_t> all(tessellation.elements());
+  std::iota(all.begin(), all.end(), 0U);
+  return scalar_form_factors(BvhTracer(mesh), ray_epsilon(mesh), tessellation, config, binning,
+                             all);
 }
 
 void expect_equal(const FormFactors& a, const FormFactors& b) {
@@ -206,6 +166,22 @@ TEST(FormFactorsCuda, BlocksComeInOrderFromAnyRow) {
   }
 }
 
+TEST(FormFactorsCuda, BatchesOfAnySizeGiveTheSameRows) {
+  RELUMBRE_NEEDS_DEVICE();
+  const TriangleMesh mesh = open_room();
+  const Tessellation tessellation = tessellated(mesh, 26, 53);
+  const FormFactors whole = joined(traced(mesh, tessellation, config_of(20), Binning::kPatches));
+  for (const std::size_t counts : {1U, 100U, 333U}) {  // 1, 5 and 16 rows of up to 20 counts
+    std::vector<Block> blocks;
+    const auto sink = [&](std::size_t first, const SparseCounts& rows, const RayTally& tally) {
+      blocks.push_back({first, rows, tally});
+    };
+    trace_form_factors(mesh, tessellation, config_of(20, 7), Binning::kPatches, 0, sink,
+                       no_progress(), {counts});
+    expect_equal(joined(blocks), whole);
+  }
+}
+
 /// Is cancelled once a block has been handed over.
 class CancelAfterABlock : public Progress {
  public:
@@ -216,23 +192,61 @@ class CancelAfterABlock : public Progress {
   bool cancelled_ = false;
 };
 
-/// 2^23 counts are a batch: here, eight rows.
 TEST(FormFactorsCuda, StopsBetweenBatchesAndPassesOnWhatTheSinkThrows) {
   RELUMBRE_NEEDS_DEVICE();
   const TriangleMesh mesh = open_room();
   const Tessellation tessellation = tessellated(mesh, 26, 53);
   CancelAfterABlock progress;
-  progress.advance(1);
-  const auto ignore = [](std::size_t, const SparseCounts&, const RayTally&) {};
-  EXPECT_THROW(
-      trace_form_factors(mesh, tessellation, config_of(4), Binning::kPatches, 0, ignore, progress),
-      Cancelled);
+  std::size_t rows = 0;
+  const auto count_rows = [&](std::size_t first, const SparseCounts& block, const RayTally&) {
+    EXPECT_EQ(first, rows);
+    EXPECT_EQ(block.rows(), 3U);
+    rows += block.rows();
+  };
+  EXPECT_THROW(trace_form_factors(mesh, tessellation, config_of(4, 3), Binning::kPatches, 0,
+                                  count_rows, progress, {16}),
+               Cancelled);
+  EXPECT_GE(rows, 3U);
+  EXPECT_LT(rows, 53U);
   const auto full_disk = [](std::size_t, const SparseCounts&, const RayTally&) {
     throw FileError("disk", "full");
   };
-  EXPECT_THROW(
-      trace_form_factors(mesh, tessellation, config_of(4), Binning::kPatches, 0, full_disk),
-      FileError);
+  EXPECT_THROW(trace_form_factors(mesh, tessellation, config_of(4), Binning::kPatches, 0, full_disk,
+                                  no_progress(), {16}),
+               FileError);
+}
+
+TEST(FormFactorsCuda, MoreThanIsFreeIsRefusedWithFigures) {
+  RELUMBRE_NEEDS_DEVICE();
+  const TriangleMesh mesh = open_room();
+  const Tessellation tessellation = tessellated(mesh, 26, 53);
+  const std::size_t all = current_device().memory_bytes;
+  if (!pretend_memory(std::size_t{1} << 20)) GTEST_SKIP() << "the device has its own memory";
+  try {
+    traced(mesh, tessellation, config_of(1U << 16), Binning::kPatches);
+    ADD_FAILURE() << "traced";
+  } catch (const OutOfDeviceMemory& error) {
+    EXPECT_EQ(std::string(error.what()).find("form factors: needs "), 0U) << error.what();
+  }
+  pretend_memory(all);
+}
+
+/// Little memory makes rows that are counted in it fewer at a time.
+TEST(FormFactorsCuda, MatchWhereLittleMemoryIsFree) {
+  RELUMBRE_NEEDS_DEVICE();
+  TriangleMesh mesh;
+  shapes::add_box(mesh, {0, 0, 0}, {1, 1, 1}, true);
+  const Tessellation tessellation = tessellated(mesh, 20, 7001);
+  const FormFactorConfig config = config_of(2);
+  const auto trace = [&] {
+    return joined(traced(mesh, tessellation, config, Binning::kElements, 6500));
+  };
+  const FormFactors expected = trace();
+  const std::size_t all = current_device().memory_bytes;
+  if (!pretend_memory(std::size_t{400} << 10)) GTEST_SKIP() << "the device has its own memory";
+  const FormFactors found = trace();
+  pretend_memory(all);
+  expect_equal(found, expected);
 }
 
 TEST(FormFactorsCuda, RefusesWhatTheCpuRefuses) {

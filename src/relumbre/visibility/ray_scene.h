@@ -46,6 +46,8 @@ class RayScene {
   /// Rays a call from which on the tracer works at full speed: sixteen on the CPU, many thousands
   /// where each call has a way to go.
   [[nodiscard]] std::size_t preferred_batch() const;
+  /// True where rays had better be gathered for a call, even if that mixes those of many pixels.
+  [[nodiscard]] bool wants_long_batches() const { return preferred_batch() > RayPacket::kSize; }
   /// See ray_epsilon().
   [[nodiscard]] float epsilon() const { return epsilon_; }
   /// Bytes that the structure holds, its copy of the mesh included. Two structures that are built
