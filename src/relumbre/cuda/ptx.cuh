@@ -37,6 +37,17 @@ __device__ __forceinline__ void add_without_result(float* at, float value) {
   asm volatile("red.relaxed.gpu.global.add.f32 [%0], %1;" ::"l"(at), "f"(value) : "memory");
 }
 
+/// Makes the compiler take `value` for a new one. What it worked out from the old one it then works
+/// out again instead of keeping it in registers. No instruction.
+template <class T>
+__device__ __forceinline__ void forget(T& value) {
+  constexpr unsigned words = (sizeof(T) + 3) / 4;
+  unsigned parts[words] = {};
+  memcpy(parts, &value, sizeof(T));
+#pragma unroll
+  for (unsigned i = 0; i < words; ++i) asm volatile("" : "+r"(parts[i]));
+  memcpy(&value, parts, sizeof(T));
+}
 
 /// d += a b on the tensor cores: a is 16 × 16 halves, b 16 × 8, d 16 × 8 floats, shared out among
 /// the 32 lanes of a warp, which all call it. Lane 4g + t has, as pairs of neighbouring columns of

@@ -39,7 +39,7 @@ struct TreeHit {
 
   VoxelHit voxel;  ///< the cell of a node is its lower corner
   VoxelTree::Child child{kNone, 0, 0};
-  explicit operator bool() const { return child.parent != kNone; }
+  RELUMBRE_HOST_DEVICE explicit operator bool() const { return child.parent != kNone; }
   friend bool operator==(const TreeHit&, const TreeHit&) = default;
 };
 

@@ -25,6 +25,8 @@ void store_release(T* at, T value) {
   *at = value;
 }
 inline void add_without_result(float* at, float value) { atomicAdd(at, value); }
+template <class T>
+void forget(T&) {}
 
 /// d += a b; see the real one. Each lane gives its parts of a and b.
 inline void multiply_tiles(float (&d)[4], const unsigned (&a)[4], const unsigned (&b)[2],
