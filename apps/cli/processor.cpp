@@ -3,6 +3,7 @@
 #include <thread>
 
 #include "cli/cuda_processor.h"
+#include "relumbre/base/error.h"
 
 namespace relumbre::cli {
 
@@ -14,6 +15,8 @@ void add_device_option(CLI::App& command, std::string& device) {
 
 std::unique_ptr<Processor> make_processor(const std::string& device, Session& session) {
   if (device == "cpu") return std::make_unique<Processor>();
+  if (device != "cuda" && !device.starts_with("cuda:"))
+    throw ValueError("--device " + device + ": not cpu, cuda or cuda:N");
   std::unique_ptr<Processor> processor = make_cuda_processor(device);
   session.report.figure("device", "device", processor->name());
   return processor;
