@@ -9,6 +9,7 @@
 #include <exception>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -60,13 +61,15 @@ inline std::vector<double> median_seconds(std::span<const Work> candidates,
 /// limit of what reads and writes so much.
 class DeviceCopy {
  public:
-  explicit DeviceCopy(std::size_t bytes) : from_(bytes), to_(bytes) {}
+  explicit DeviceCopy(std::size_t bytes)
+      : from_(std::make_shared<Bytes>(bytes)), to_(std::make_shared<Bytes>(bytes)) {}
   void operator()(const cuda::Stream& stream) const {
-    cuda::copy_on_device(from_.data(), to_.data(), from_.size(), stream);
+    cuda::copy_on_device(from_->data(), to_->data(), from_->size(), stream);
   }
 
  private:
-  cuda::DeviceArray<std::byte> from_, to_;
+  using Bytes = cuda::DeviceArray<std::byte>;
+  std::shared_ptr<Bytes> from_, to_;
 };
 
 /// One case: ours, a peer that does the same work, and the least time that the device could take.
