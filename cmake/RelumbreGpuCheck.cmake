@@ -24,7 +24,12 @@ endfunction()
 relumbre_portable(base SOURCES content_hash.cpp huge_array.cpp parallel_std.cpp progress.cpp sampling.cpp)
 relumbre_portable(octree SOURCES cube.cpp morton.cpp voxel_tree.cpp voxel_tree_builder.cpp voxel_value.cpp
                   DEPENDS base)
-relumbre_portable(radiosity SOURCES operator_input.cpp relight_operator.cpp sparse_counts.cpp DEPENDS base)
+relumbre_portable(geometry SOURCES cluster.cpp facet.cpp facet_forest.cpp facet_group.cpp hierarchy.cpp
+                           label_locator.cpp position_index.cpp tessellation.cpp DEPENDS base)
+relumbre_portable(visibility SOURCES bvh.cpp bvh_binary.cpp bvh_tracer.cpp ray_scene.cpp DEPENDS geometry)
+relumbre_portable(radiosity SOURCES emitting_surface.cpp form_factor_rows.cpp operator_input.cpp ray_pattern.cpp
+                            relight_operator.cpp scalar_form_factors.cpp sparse_counts.cpp
+                  DEPENDS visibility)
 
 include(RelumbreCuda)
 include(RelumbreCudaModules)
