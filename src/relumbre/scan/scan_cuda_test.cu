@@ -139,18 +139,15 @@ template <std::size_t kWords>
 struct Run {
   std::int32_t first = -1, last = -1, ordered = 1;
   std::int32_t padding[kWords - 3] = {};
-  friend bool operator==(const Run&, const Run&) = default;
 };
 template <>
 struct Run<3> {
   std::int32_t first = -1, last = -1, ordered = 1;
-  friend bool operator==(const Run&, const Run&) = default;
 };
 
 template <std::size_t kWords>
 struct Join {
   using value_type = Run<kWords>;
-  static constexpr bool exact = true;
   [[nodiscard]] RELUMBRE_HOST_DEVICE value_type identity() const { return {}; }
   [[nodiscard]] RELUMBRE_HOST_DEVICE value_type operator()(const value_type& a,
                                                            const value_type& b) const {
@@ -309,6 +306,52 @@ TEST(ScanCuda, GraphsScanAnew) {
   copy_to_host(values.data(), out, stream);
   stream.wait();
   expect_same(out, expected, "graph");
+}
+
+__global__ void look_back(std::uint64_t* words, unsigned tiles, unsigned tile, Map own,
+                          std::uint32_t tag, Map* before) {
+  const Maps maps;
+  const Map map = LookBack<Maps>(maps, words, tiles, tag)(tile, own, threadIdx.x);
+  if (threadIdx.x == 0) *before = map;
+}
+
+/// The words of a scan that is under way: all tiles are published, and the first `groups` groups.
+std::vector<std::uint64_t> words_under_way(const std::vector<Map>& tiles, std::size_t groups,
+                                           std::uint32_t tag) {
+  std::vector<std::uint64_t> words(LookBack<Maps>::words(tiles.size()));
+  const auto publish = [&](std::size_t at, const Map& map) {
+    words[2 * at] = std::uint64_t{tag} << 32 | map.scale;
+    words[2 * at + 1] = std::uint64_t{tag} << 32 | map.offset;
+  };
+  Map all;
+  for (std::size_t i = 0; i < tiles.size(); ++i) {
+    publish(i, tiles[i]);
+    all = Maps{}(all, tiles[i]);
+    if (i % kWarp == kWarp - 1 && i / kWarp < groups) publish(tiles.size() + i / kWarp, all);
+  }
+  return words;
+}
+
+TEST(ScanCuda, LookBackFindsTheSameWhereverItBegins) {
+  RELUMBRE_NEEDS_DEVICE();
+  constexpr std::uint32_t kTag = 6;
+  const Stream stream;
+  const auto tiles = numbers<Map>(5 * kWarp + 9);
+  const DeviceArray<Map> result(1);
+  for (const unsigned tile : {4 * kWarp, 4 * kWarp + 1, 4 * kWarp + 20, 5 * kWarp - 1}) {
+    Map expected;
+    for (unsigned i = 0; i < tile; ++i) expected = Maps{}(expected, tiles[i]);
+    for (const std::size_t groups : {2, 3, 4}) {
+      const auto words =
+          to_device(std::span<const std::uint64_t>(words_under_way(tiles, groups, kTag)), stream);
+      launch(look_back, {.blocks = 1, .threads = kWarp}, stream, words.data(), tiles.size(), tile,
+             tiles[tile], kTag, result.data());
+      std::vector<Map> before(1);
+      copy_to_host(result.data(), before, stream);
+      stream.wait();
+      EXPECT_EQ(before[0], expected) << "tile " << tile << " after " << groups << " groups";
+    }
+  }
 }
 
 }  // namespace
