@@ -30,8 +30,9 @@ constexpr std::size_t kSlots = 3;
 constexpr std::size_t kRowsPerBatch = std::size_t{1} << 16;
 /// Rays of a tile, so that threads rarely wait for its last ones.
 constexpr std::uint32_t kRaysPerTile = 4096;
-/// Rows are counted in shared memory where a tile's fit in that: eight blocks a multiprocessor.
-constexpr std::size_t kSharedBytes = std::size_t{24} << 10;
+/// Rows are counted in shared memory where a tile's fit in that. It is the level 1 cache too, which
+/// the hierarchy needs: eight blocks a multiprocessor leave it half of a large device's.
+constexpr std::size_t kSharedBytes = std::size_t{16} << 10;
 
 /// How the rows are cut up, and what that takes.
 struct Plan {
@@ -156,7 +157,8 @@ class Slot {
   void finish(std::uint32_t rays, RowBlocks& blocks) {
     stream_.wait();
     const std::size_t counts = progress_.data()[1];
-    column_.reserve(counts), count_.reserve(counts);
+    const std::size_t room = std::min(counts + counts / 8, plan_.counts_per_batch);
+    if (counts > column_.size()) column_.reserve(room), count_.reserve(room);
     copy_to_host<std::uint32_t>(device_column_.data(), values_of(column_).first(counts), stream_);
     copy_to_host<std::uint32_t>(device_count_.data(), values_of(count_).first(counts), stream_);
     stream_.wait();
