@@ -21,14 +21,19 @@ function(relumbre_portable name)
   target_link_libraries(relumbre_${name} PUBLIC ${ARG_DEPENDS} Threads::Threads PRIVATE relumbre_options)
 endfunction()
 
-relumbre_portable(base SOURCES content_hash.cpp huge_array.cpp parallel_std.cpp progress.cpp sampling.cpp)
-relumbre_portable(octree SOURCES cube.cpp morton.cpp voxel_tree.cpp voxel_tree_builder.cpp voxel_value.cpp
-                  DEPENDS base)
+relumbre_portable(base SOURCES atomic_file.cpp atomic_stream.cpp content_hash.cpp huge_array.cpp mapped_file.cpp
+                               parallel_std.cpp progress.cpp sampling.cpp)
+relumbre_portable(scan SOURCES ../../../tests/bare/scan_kernels.cpp DEPENDS base)
+relumbre_portable(sat SOURCES axis_window.cpp fixed_point.cpp sat_layout.cpp DEPENDS base)
 relumbre_portable(geometry SOURCES cluster.cpp facet.cpp facet_forest.cpp facet_group.cpp hierarchy.cpp
-                           label_locator.cpp position_index.cpp tessellation.cpp DEPENDS base)
+                                   label_locator.cpp position_index.cpp tessellation.cpp
+                  DEPENDS base)
+relumbre_portable(octree SOURCES brick.cpp brick_lists.cpp clipped_triangle.cpp cube.cpp morton.cpp rlo_file.cpp
+                                 triangle_cells.cpp voxel_tree.cpp voxel_tree_builder.cpp voxel_value.cpp voxelize.cpp
+                  DEPENDS geometry scan)
 relumbre_portable(visibility SOURCES bvh.cpp bvh_binary.cpp bvh_tracer.cpp ray_scene.cpp DEPENDS geometry)
 relumbre_portable(radiosity SOURCES emitting_surface.cpp form_factor_rows.cpp operator_input.cpp ray_pattern.cpp
-                            relight_operator.cpp scalar_form_factors.cpp sparse_counts.cpp
+                                    relight_operator.cpp scalar_form_factors.cpp sparse_counts.cpp
                   DEPENDS visibility)
 
 include(RelumbreCuda)

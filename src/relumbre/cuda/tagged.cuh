@@ -55,8 +55,9 @@ __device__ __forceinline__ std::uint32_t load_tagged(const std::uint64_t* words,
 /// numbers, which run or have run; blockIdx says nothing of the kind.
 struct Ticket {
   std::uint32_t number;  ///< from 0
-  std::uint32_t epoch;   ///< from 1, another one for every grid: makes tags that older grids' words
-                         ///< cannot have (for 2^31 grids)
+  /// Even and not 0. It and tag + 1 belong to this grid alone, so that words of older grids do not
+  /// have them (for 2^31 grids).
+  std::uint32_t tag;
 };
 
 /// By one thread of each block. The counter is 0 before the first grid ever; the last block of
@@ -68,7 +69,7 @@ __device__ __forceinline__ Ticket take_ticket(unsigned long long* counter, std::
   const auto epoch = static_cast<std::uint32_t>(before >> 32) + 1;
   if (number == blocks - 1)
     atomicExch(counter, static_cast<unsigned long long>(epoch % kLastEpoch) << 32);
-  return {number, epoch};
+  return {number, 2 * epoch};
 }
 
 }  // namespace relumbre::cuda

@@ -12,11 +12,16 @@ namespace relumbre::cuda {
 /// The widest access that a thread can make.
 inline constexpr std::size_t kVectorBytes = 16;
 
-/// As many values, to be loaded or stored at once where they are aligned as a whole.
 template <class T, unsigned kCount>
-struct alignas(std::has_single_bit(sizeof(T) * kCount) && sizeof(T) * kCount <= kVectorBytes
-                   ? sizeof(T) * kCount
-                   : alignof(T)) Pack {
+constexpr std::size_t pack_alignment() {
+  const std::size_t bytes = sizeof(T) * kCount;
+  if (!std::has_single_bit(bytes)) return alignof(T);
+  return bytes < kVectorBytes ? bytes : kVectorBytes;
+}
+
+/// As many values, loaded or stored by the widest accesses that there are.
+template <class T, unsigned kCount>
+struct alignas(pack_alignment<T, kCount>()) Pack {
   T values[kCount];
 };
 

@@ -17,6 +17,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <span>
 
@@ -49,5 +50,8 @@ TreeHit cast(const VoxelTree& tree, const CastRay& ray);
 /// hits[i] = cast(tree, rays[i]), on all threads. Fastest where neighbours in the array go much the
 /// same way. Throws ShapeError if the sizes differ.
 void cast(const VoxelTree& tree, std::span<const CastRay> rays, std::span<TreeHit> hits);
+
+/// Another who casts a batch through some tree, such as a GPU.
+using TreeCaster = std::function<void(std::span<const CastRay>, std::span<TreeHit>)>;
 
 }  // namespace relumbre

@@ -29,9 +29,9 @@ struct WalkNode {
 /// Keeps the nodes above as they are: little work, most memory.
 class NodeStack {
  public:
-  void save(unsigned level, const WalkNode& node) { nodes_[level] = node; }
+  RELUMBRE_HOST_DEVICE void save(unsigned level, const WalkNode& node) { nodes_[level] = node; }
   template <class Walk>
-  [[nodiscard]] WalkNode load(const Walk&, unsigned level, const Cell&) const {
+  [[nodiscard]] RELUMBRE_HOST_DEVICE WalkNode load(const Walk&, unsigned level, const Cell&) const {
     return nodes_[level];
   }
 

@@ -121,7 +121,12 @@ class DeviceRelight::Work {
   /// One source, from and to the page-locked buffers.
   void relight() {
     const UseDevice use(device_.index);
-    if (!graph_) graph_ = Graph(stream_, [this] { run_with_copies(one_, 1); });
+    if (!graph_) {
+      run_with_copies(one_,
+                      1);  // kernels are loaded by their first launch, not while it is recorded
+      stream_.wait();
+      graph_ = Graph(stream_, [this] { run_with_copies(one_, 1); });
+    }
     graph_.start(stream_);
     stream_.wait();
     if (one_.here_not_finite.data()[0] != 0)
@@ -377,7 +382,9 @@ std::size_t DeviceRelight::device_bytes(const SparseCounts& counts, CountFormat 
   const std::size_t n = counts.rows(), k = counts.columns;
   const std::size_t fixed =
       CountTable::table_bytes(n, k, format) + 3 * k * transport_pitch(k) * sizeof(float);
-  return fixed + buffer_bytes(n, k) + 4 * sizeof(float) * n + 3 * sizeof(std::uint64_t) * (n + k);
+  const std::size_t block = 8 * std::min<std::size_t>(counts.nonzeros(), (1 << 22) + k);
+  return fixed + block + buffer_bytes(n, k) + 4 * sizeof(float) * n +
+         3 * sizeof(std::uint64_t) * (n + k);
 }
 
 std::size_t DeviceRelight::elements() const { return work_->elements(); }

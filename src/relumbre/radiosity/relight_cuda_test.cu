@@ -205,7 +205,7 @@ TEST(RelightCuda, PapersStagesAgreeWithTheProductInDoubles) {
     const RandomTransport scene(n, k, 200, n);
     for (const PaperStage stage : kPaperStages)
       for (const double share : {0.0, 0.3, 1.0})
-        expect_relit(scene, *make_paper_operator(scene.parts(), stage, share), 2, 1e-5,
+        expect_relit(scene, PaperRelight(scene.parts(), stage, share), 2, 1e-5,
                      std::string(to_string(stage)) + ", " + std::to_string(n));
   }
 }
@@ -233,7 +233,7 @@ TEST(RelightCuda, BadPartsAreRefused) {
   RELUMBRE_NEEDS_DEVICE();
   RandomTransport scene(40, 7, 200, 41);
   EXPECT_THROW(DeviceRelight(scene.parts(), CountFormat::kFloat32), ValueError);
-  EXPECT_THROW(make_paper_operator(scene.parts(), PaperStage::kSplitRows, 1.5), ValueError);
+  EXPECT_THROW(PaperRelight(scene.parts(), PaperStage::kSplitRows, 1.5), ValueError);
   scene.offsets.back() = 39;
   EXPECT_THROW(DeviceRelight(scene.parts(), CountFormat::kCounts8), ShapeError);
   scene.offsets.back() = 40;

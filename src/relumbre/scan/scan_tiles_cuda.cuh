@@ -164,7 +164,7 @@ __global__ void __launch_bounds__(kThreads, Tile<Io>::kBlocks)
   if (threadIdx.x == 0) shared.ticket = take_ticket(scratch.counter, gridDim.x);
   __syncthreads();
   const Ticket ticket = shared.ticket;
-  const LookBack<M> look_back(m, scratch.words, gridDim.x, ticket.epoch);
+  const LookBack<M> look_back(m, scratch.words, gridDim.x, ticket.tag);
   const TileScan<kKind, M, Io> scan(m, io, size, shared);
   if ((ticket.number + std::size_t{1}) * Tile<Io>::kSize <= size)
     scan.template run<true>(ticket.number, look_back, total);

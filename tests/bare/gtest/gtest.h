@@ -125,8 +125,10 @@ inline int run_all(int argc, char** argv) {
       Run::instance().failed = true;
       std::cout << "Failure: threw " << error.what() << '\n';
     }
-    if (Run::instance().failed) failed.push_back(name);
-    else ++(Run::instance().skipped ? skipped : passed);
+    if (Run::instance().failed)
+      failed.push_back(name);
+    else
+      ++(Run::instance().skipped ? skipped : passed);
     std::cout << (Run::instance().failed    ? "[  FAILED  ] "
                   : Run::instance().skipped ? "[  SKIPPED ] "
                                             : "[       OK ] ")
@@ -140,25 +142,26 @@ inline int run_all(int argc, char** argv) {
 
 }  // namespace testing
 
-#define TEST(suite, name)                                                                 \
-  static void suite##_##name##_test();                                                    \
-  [[maybe_unused]] static const bool suite##_##name##_added =                             \
-      testing::add_test(#suite, #name, suite##_##name##_test);                            \
+#define TEST(suite, name)                                      \
+  static void suite##_##name##_test();                         \
+  [[maybe_unused]] static const bool suite##_##name##_added =  \
+      testing::add_test(#suite, #name, suite##_##name##_test); \
   static void suite##_##name##_test()
 
-#define RELUMBRE_BARE_CHECK(problem, on_failure)                   \
+#define RELUMBRE_BARE_CHECK(problem, on_failure)                                \
   if (const std::string relumbre_problem = (problem); relumbre_problem.empty()) \
-    ;                                                              \
-  else                                                             \
+    ;                                                                           \
+  else                                                                          \
     on_failure testing::Failure{__FILE__, __LINE__, relumbre_problem} = testing::Message()
 
-#define RELUMBRE_BARE_COMPARE(a, b, op, on_failure)                                      \
-  RELUMBRE_BARE_CHECK(testing::compared((a), (b), "(" #a ") " #op " (" #b ")",           \
+#define RELUMBRE_BARE_COMPARE(a, b, op, on_failure)                                           \
+  RELUMBRE_BARE_CHECK(testing::compared((a), (b), "(" #a ") " #op " (" #b ")",                \
                                         [](const auto& x, const auto& y) { return x op y; }), \
                       on_failure)
-#define RELUMBRE_BARE_TRUE(condition, wanted, on_failure)                                   \
-  RELUMBRE_BARE_CHECK(static_cast<bool>(condition) == (wanted) ? std::string()              \
-                                                               : std::string("Value of: " #condition), \
+#define RELUMBRE_BARE_TRUE(condition, wanted, on_failure)         \
+  RELUMBRE_BARE_CHECK(static_cast<bool>(condition) == (wanted)    \
+                          ? std::string()                         \
+                          : std::string("Value of: " #condition), \
                       on_failure)
 
 #define EXPECT_EQ(a, b) RELUMBRE_BARE_COMPARE(a, b, ==, )
@@ -169,40 +172,47 @@ inline int run_all(int argc, char** argv) {
 #define EXPECT_GE(a, b) RELUMBRE_BARE_COMPARE(a, b, >=, )
 #define EXPECT_TRUE(condition) RELUMBRE_BARE_TRUE(condition, true, )
 #define EXPECT_FALSE(condition) RELUMBRE_BARE_TRUE(condition, false, )
-#define EXPECT_NEAR(a, b, most)                                                            \
-  RELUMBRE_BARE_CHECK(                                                                     \
-      testing::compared((a), (b), #a " near " #b,                                          \
-                        [&](const auto& x, const auto& y) { return std::abs(x - y) <= (most); }), )
+#define EXPECT_NEAR(a, b, most)                                                       \
+  RELUMBRE_BARE_CHECK(                                                                \
+      testing::compared((a), (b), #a " near " #b, [&](const auto& x, const auto& y) { \
+        return std::abs(x - y) <= (most);                                             \
+      }), )
 #define EXPECT_FLOAT_EQ(a, b) EXPECT_NEAR(a, b, 4 * 1.2e-7F * std::abs(b))
 #define EXPECT_DOUBLE_EQ(a, b) EXPECT_NEAR(a, b, 4 * 2.3e-16 * std::abs(b))
-#define EXPECT_THROW(statement, type)                 \
-  RELUMBRE_BARE_CHECK(testing::thrown(                \
-                          [&] {                       \
-                            try {                     \
-                              statement;              \
-                            } catch (const type&) {   \
-                              return true;            \
-                            }                         \
-                            return false;             \
-                          },                          \
+#define EXPECT_THROW(statement, type)               \
+  RELUMBRE_BARE_CHECK(testing::thrown(              \
+                          [&] {                     \
+                            try {                   \
+                              statement;            \
+                            } catch (const type&) { \
+                              return true;          \
+                            }                       \
+                            return false;           \
+                          },                        \
                           #type), )
-#define EXPECT_NO_THROW(statement)                                         \
-  RELUMBRE_BARE_CHECK(testing::thrown(                                     \
-                          [&] {                                            \
-                            statement;                                     \
-                            return true;                                   \
-                          },                                               \
+#define EXPECT_NO_THROW(statement)       \
+  RELUMBRE_BARE_CHECK(testing::thrown(   \
+                          [&] {          \
+                            statement;   \
+                            return true; \
+                          },             \
                           "nothing"), )
-#define ASSERT_EQ(a, b) RELUMBRE_BARE_COMPARE(a, b, ==, return)
-#define ASSERT_NE(a, b) RELUMBRE_BARE_COMPARE(a, b, !=, return)
-#define ASSERT_LT(a, b) RELUMBRE_BARE_COMPARE(a, b, <, return)
-#define ASSERT_LE(a, b) RELUMBRE_BARE_COMPARE(a, b, <=, return)
-#define ASSERT_GT(a, b) RELUMBRE_BARE_COMPARE(a, b, >, return)
-#define ASSERT_GE(a, b) RELUMBRE_BARE_COMPARE(a, b, >=, return)
-#define ASSERT_TRUE(condition) RELUMBRE_BARE_TRUE(condition, true, return)
-#define ASSERT_FALSE(condition) RELUMBRE_BARE_TRUE(condition, false, return)
-#define ASSERT_NO_THROW(statement) \
-  RELUMBRE_BARE_CHECK(testing::thrown([&] { statement; return true; }, "nothing"), return)
+#define ASSERT_EQ(a, b) RELUMBRE_BARE_COMPARE(a, b, ==, return )
+#define ASSERT_NE(a, b) RELUMBRE_BARE_COMPARE(a, b, !=, return )
+#define ASSERT_LT(a, b) RELUMBRE_BARE_COMPARE(a, b, <, return )
+#define ASSERT_LE(a, b) RELUMBRE_BARE_COMPARE(a, b, <=, return )
+#define ASSERT_GT(a, b) RELUMBRE_BARE_COMPARE(a, b, >, return )
+#define ASSERT_GE(a, b) RELUMBRE_BARE_COMPARE(a, b, >=, return )
+#define ASSERT_TRUE(condition) RELUMBRE_BARE_TRUE(condition, true, return )
+#define ASSERT_FALSE(condition) RELUMBRE_BARE_TRUE(condition, false, return )
+#define ASSERT_NO_THROW(statement)       \
+  RELUMBRE_BARE_CHECK(testing::thrown(   \
+                          [&] {          \
+                            statement;   \
+                            return true; \
+                          },             \
+                          "nothing"),    \
+                      return )
 #define ADD_FAILURE() testing::Failure{__FILE__, __LINE__, "Failed"} = testing::Message()
 #define FAIL() return ADD_FAILURE()
 #define SUCCEED() testing::Message()
