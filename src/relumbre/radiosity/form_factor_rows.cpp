@@ -44,8 +44,7 @@ RowBlocks::RowBlocks(std::size_t first_row, std::size_t rows, std::size_t row_bl
     : first_row_(first_row),
       rows_(rows),
       row_block_(row_block),
-      no_rows_(std::move(no_rows)),
-      block_(no_rows_),
+      block_(std::move(no_rows)),
       sink_(sink),
       progress_(progress) {}
 
@@ -62,7 +61,8 @@ void RowBlocks::hand_over() {
   sink_(first_row_ + done_, block_, tally_);
   done_ += block_.rows();
   progress_.advance(block_.rows());
-  block_ = no_rows_;
+  block_.row_offsets.resize(1);  // the room stays for the next block
+  block_.column.clear(), block_.count.clear();
   tally_ = {};
 }
 

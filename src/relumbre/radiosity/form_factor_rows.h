@@ -37,7 +37,7 @@ class RowBlocks {
   void hand_over();
 
   std::size_t first_row_, rows_, row_block_, done_ = 0;
-  SparseCounts no_rows_, block_;
+  SparseCounts block_;
   RayTally tally_;
   const RowSink& sink_;
   Progress& progress_;

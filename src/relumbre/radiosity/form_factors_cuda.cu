@@ -30,8 +30,9 @@ constexpr std::size_t kSlots = 3;
 constexpr std::size_t kRowsPerBatch = std::size_t{1} << 16;
 /// Rays of a tile, so that threads rarely wait for its last ones.
 constexpr std::uint32_t kRaysPerTile = 4096;
-/// Rows are counted in shared memory where a tile's fit in that: eight blocks a multiprocessor.
-constexpr std::size_t kSharedBytes = std::size_t{24} << 10;
+/// Rows are counted in shared memory where a tile's fit in that. It is the level 1 cache too, which
+/// the hierarchy needs: eight blocks a multiprocessor leave it half of a large device's.
+constexpr std::size_t kSharedBytes = std::size_t{16} << 10;
 
 /// How the rows are cut up, and what that takes.
 struct Plan {
@@ -156,7 +157,8 @@ class Slot {
   void finish(std::uint32_t rays, RowBlocks& blocks) {
     stream_.wait();
     const std::size_t counts = progress_.data()[1];
-    column_.reserve(counts), count_.reserve(counts);
+    const std::size_t room = std::min(counts + counts / 8, plan_.counts_per_batch);
+    if (counts > column_.size()) column_.reserve(room), count_.reserve(room);
     copy_to_host<std::uint32_t>(device_column_.data(), values_of(column_).first(counts), stream_);
     copy_to_host<std::uint32_t>(device_count_.data(), values_of(count_).first(counts), stream_);
     stream_.wait();
@@ -251,51 +253,75 @@ SparseCounts no_rows(std::size_t columns, std::uint32_t rays) {
   return counts;
 }
 
+/// A bake's rows, batch after batch.
+class RowTracer {
+ public:
+  RowTracer(const Bvh& bvh, float clearance, const Tessellation& tessellation,
+            const FormFactorConfig& config, Binning binning, std::size_t first_row,
+            const RowBatchConfig& batch)
+      : tessellation_(tessellation),
+        config_(config),
+        first_row_(first_row),
+        clearance_(clearance),
+        columns_(columns_of(tessellation, binning)) {
+    const RayPattern pattern(config.rays);
+    const LabelLocator locator = label_locator(tessellation, binning);
+    const std::size_t bytes = Shared::bytes(bvh, locator, pattern);
+    const std::size_t free = current_device().free_bytes;
+    plan_ = make_plan(tessellation, config.rays, columns_, first_row, batch,
+                      free - std::min(free, bytes));
+    expect_free(bytes + kSlots * plan_.slot_bytes(), "form factors");
+    shared_.emplace(bvh, locator, pattern);
+  }
+
+  /// Batches go round the slots: a slot's rows are handed over before it gets the next.
+  void run(const RowSink& sink, Progress& progress) {
+    const std::size_t rows = tessellation_.elements() - first_row_;
+    RowBlocks blocks(first_row_, rows, config_.row_block, no_rows(columns_, config_.rays), sink,
+                     progress);
+    std::size_t turn = 0;
+    for (std::size_t done = 0; done < rows; done += plan_.rows_per_batch) {
+      if (progress.cancelled()) throw Cancelled("form factors: interrupted");
+      std::optional<Slot>& slot = slots_[turn++ % kSlots];
+      if (!slot) slot.emplace(plan_);
+      if (slot->busy()) slot->finish(config_.rays, blocks);
+      slot->start(tessellation_, config_.seed, clearance_, first_row_ + done,
+                  std::min(plan_.rows_per_batch, rows - done), shared_->batch());
+    }
+    for (std::size_t i = 0; i < kSlots; ++i) {
+      std::optional<Slot>& slot = slots_[turn++ % kSlots];
+      if (slot && slot->busy()) slot->finish(config_.rays, blocks);
+    }
+  }
+
+ private:
+  const Tessellation& tessellation_;
+  const FormFactorConfig& config_;
+  std::size_t first_row_;
+  float clearance_;
+  std::size_t columns_;
+  Plan plan_{};
+  std::optional<Shared> shared_;
+  std::array<std::optional<Slot>, kSlots> slots_;  // last: they use what is above
+};
+
 }  // namespace
+
+void trace_form_factors(const Bvh& bvh, float clearance, const Tessellation& tessellation,
+                        const FormFactorConfig& config, Binning binning, std::size_t first_row,
+                        const RowSink& sink, Progress& progress, const RowBatchConfig& batch) {
+  check_rows(tessellation, config, first_row);
+  RowTracer tracer(bvh, clearance, tessellation, config, binning, first_row, batch);
+  progress.begin("form factors", tessellation.elements() - first_row);
+  tracer.run(sink, progress);
+}
 
 void trace_form_factors(const TriangleMesh& mesh, const Tessellation& tessellation,
                         const FormFactorConfig& config, Binning binning, std::size_t first_row,
                         const RowSink& sink, Progress& progress, const RowBatchConfig& batch) {
   check_rows(tessellation, config, first_row);
-  const RayPattern pattern(config.rays);
-  const std::size_t columns = columns_of(tessellation, binning);
-  const std::size_t rows = tessellation.elements() - first_row;
-  progress.begin("form factors", rows);
-  if (rows == 0) return;
-
-  // What all rows need goes to the device, if there is room for everything.
-  std::optional<Shared> shared;
-  Plan plan{};
-  {
-    const Bvh bvh = build_bvh(mesh);
-    const LabelLocator locator = label_locator(tessellation, binning);
-    const std::size_t bytes = Shared::bytes(bvh, locator, pattern);
-    const std::size_t free = current_device().free_bytes;
-    plan = make_plan(tessellation, config.rays, columns, first_row, batch,
-                     free - std::min(free, bytes));
-    expect_free(bytes + kSlots * plan.slot_bytes(), "form factors");
-    shared.emplace(bvh, locator, pattern);
-  }
-
-  // Batches go round the slots: a slot's rows are handed over before it gets the next.
-  const float clearance = ray_epsilon(mesh);
-  std::array<std::optional<Slot>, kSlots> slots;
-  RowBlocks blocks(first_row, rows, config.row_block, no_rows(columns, config.rays), sink,
-                   progress);
-  std::size_t turn = 0;
-  const auto next_slot = [&]() -> std::optional<Slot>& { return slots[turn++ % kSlots]; };
-  for (std::size_t row = first_row; row < tessellation.elements(); row += plan.rows_per_batch) {
-    if (progress.cancelled()) throw Cancelled("form factors: interrupted");
-    std::optional<Slot>& slot = next_slot();
-    if (!slot) slot.emplace(plan);
-    if (slot->busy()) slot->finish(config.rays, blocks);
-    const std::size_t count = std::min(plan.rows_per_batch, tessellation.elements() - row);
-    slot->start(tessellation, config.seed, clearance, row, count, shared->batch());
-  }
-  for (std::size_t i = 0; i < kSlots; ++i) {
-    std::optional<Slot>& slot = next_slot();
-    if (slot && slot->busy()) slot->finish(config.rays, blocks);
-  }
+  trace_form_factors(build_bvh(mesh), ray_epsilon(mesh), tessellation, config, binning, first_row,
+                     sink, progress, batch);
 }
 
 FormFactorTracer form_factor_tracer(int device) {

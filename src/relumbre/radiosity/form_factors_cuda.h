@@ -7,6 +7,7 @@
 #include "relumbre/geometry/tessellation.h"
 #include "relumbre/geometry/triangle_mesh.h"
 #include "relumbre/radiosity/form_factors.h"
+#include "relumbre/visibility/bvh.h"
 
 namespace relumbre::cuda {
 
@@ -14,7 +15,7 @@ namespace relumbre::cuda {
 struct RowBatchConfig {
   /// That a batch has room for on the device, unless a single row needs more: 8 bytes each. Three
   /// batches are in flight.
-  std::size_t counts = std::size_t{1} << 23;
+  std::size_t counts = std::size_t{1} << 22;
 };
 
 /// relumbre::trace_form_factors() on the current device: the same rays, the same sink in the same
@@ -26,6 +27,13 @@ struct RowBatchConfig {
 /// first ray. On the host: the Bvh while it is built, and the rows of three batches in flight.
 /// Cancellation is heard between batches.
 void trace_form_factors(const TriangleMesh& mesh, const Tessellation& tessellation,
+                        const FormFactorConfig& config, Binning binning, std::size_t first_row,
+                        const RowSink& sink, Progress& progress = no_progress(),
+                        const RowBatchConfig& batch = {});
+
+/// The same through the Bvh of the mesh, for who has one already. `clearance`: ray_epsilon() of the
+/// mesh.
+void trace_form_factors(const Bvh& bvh, float clearance, const Tessellation& tessellation,
                         const FormFactorConfig& config, Binning binning, std::size_t first_row,
                         const RowSink& sink, Progress& progress = no_progress(),
                         const RowBatchConfig& batch = {});

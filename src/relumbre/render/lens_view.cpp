@@ -77,8 +77,10 @@ class LensRenderer {
 
   /// Pixels [first, first + count) of a tile.
   void render_pixels(const ViewTile& tile, std::size_t first, std::size_t count) {
+    const std::size_t each = config_.samples;
     std::vector<Ray> rays;
     std::vector<SampleId> ids;
+    rays.reserve(count * each), ids.reserve(count * each);
     for (std::size_t i = first; i < first + count; ++i) {
       const std::size_t pixel = tile.pixel(i);
       for (const LensSample& sample : samples_.of_pixel(pixel)) {
@@ -90,7 +92,6 @@ class LensRenderer {
     trace(rays, hits);
     std::vector<Rgb> color(rays.size());
     shader_.shade(hits, ids, color);
-    const std::size_t each = config_.samples;
     for (std::size_t i = 0; i < count; ++i) {
       set_mean(tile.pixel(first + i), std::span(rays).subspan(i * each, each),
                std::span(hits).subspan(i * each, each), std::span(color).subspan(i * each, each));

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "relumbre/base/error.h"
+#include "relumbre/base/parallel.h"
 #include "relumbre/base/sampling.h"
 #include "relumbre/cuda/testing.h"
 #include "relumbre/geometry/test_shapes.h"
@@ -51,6 +52,23 @@ TEST(RaySceneCuda, BatchesAgreeWithSingleRaysOnTheCpu) {
     }
   }
   EXPECT_GT(hit, 500U);
+}
+
+TEST(RaySceneCuda, ThreadsMayAskAtTheSameTime) {
+  RELUMBRE_NEEDS_DEVICE();
+  const RayScene scene = make_ray_scene(shapes::soup(200, 5), 0);
+  const std::vector<Ray> rays = random_rays(1200);
+  std::vector<Hit> alone(rays.size());
+  scene.closest(rays, alone);
+  std::vector<std::vector<Hit>> together(6, std::vector<Hit>(rays.size()));
+  const ThreadLimit three(3);
+  parallel_for(0, together.size(), 1, [&](std::size_t i) { scene.closest(rays, together[i]); });
+  for (const std::vector<Hit>& hits : together) {
+    for (std::size_t i = 0; i < hits.size(); ++i) {
+      EXPECT_EQ(hits[i].triangle, alone[i].triangle);
+      EXPECT_EQ(hits[i].t, alone[i].t);
+    }
+  }
 }
 
 TEST(RaySceneCuda, RaysThatGoNowhereHitNothing) {
