@@ -5,6 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "relumbre/base/host_device.h"
+
 namespace relumbre {
 
 /// Signed diameters, from the least to the largest, all different: those two, 0 if it lies between
@@ -20,7 +22,7 @@ float box_radius_of(float signed_diameter);
 
 /// How much of what has this circle of confusion belongs to the farther of two steps; the nearer
 /// has the rest. The shares of all steps add up to 1.
-inline float share_of_next(float coc, float step, float next) {
+RELUMBRE_HOST_DEVICE inline float share_of_next(float coc, float step, float next) {
   return (coc - step) / (next - step);
 }
 
