@@ -18,32 +18,22 @@ struct Fragment {
   Rgba color;          ///< multiplied by the coverage
 };
 
-/// One or two.
-struct FrontFragments {
-  Fragment fragment[2];
-  unsigned count = 0;
-
-  RELUMBRE_HOST_DEVICE void add(const Fragment& f) { fragment[count++] = f; }
-};
-
-/// Those of a pixel of the front, the nearer first.
-RELUMBRE_HOST_DEVICE inline FrontFragments front_fragments(const MixedPicture& picture,
-                                                           const EdgeMap& edges, std::uint32_t x,
-                                                           std::uint32_t y) {
+/// Calls use(fragment) for those of a pixel of the front, one or two, the nearer first.
+template <class Use>
+RELUMBRE_HOST_DEVICE void front_fragments(const MixedPicture& picture, const EdgeMap& edges,
+                                          std::uint32_t x, std::uint32_t y, Use&& use) {
   const std::size_t i = y * picture.width + x;
-  FrontFragments result;
   if (picture.mixed[i] == 0) {
-    result.add({x, y, picture.circles[i], edges.slope(x, y), 1, picture.color[i]});
-    return result;
+    use(Fragment{x, y, picture.circles[i], edges.slope(x, y), 1, picture.color[i]});
+    return;
   }
   const MixedPixel mixed = unmix(picture, x, y);
   const float share = mixed.share, rest = 1 - share;
   const auto scaled = [](const Rgba& c, float s) {
     return Rgba{c.r * s, c.g * s, c.b * s, c.a * s};
   };
-  if (share > 0) result.add({x, y, mixed.near_coc, {}, share, scaled(mixed.near, share)});
-  if (rest > 0) result.add({x, y, mixed.far_coc, {}, rest, scaled(mixed.far, rest)});
-  return result;
+  if (share > 0) use(Fragment{x, y, mixed.near_coc, {}, share, scaled(mixed.near, share)});
+  if (rest > 0) use(Fragment{x, y, mixed.far_coc, {}, rest, scaled(mixed.far, rest)});
 }
 
 }  // namespace relumbre

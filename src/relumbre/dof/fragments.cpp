@@ -22,8 +22,7 @@ std::vector<Fragment> fragments_of(const DepthPicture& picture, std::span<const 
     rows[row].reserve(picture.width + picture.width / 4);
     for (std::uint32_t x = 0; x < picture.width; ++x) {
       const std::size_t i = y * picture.width + x;
-      const FrontFragments pieces = front_fragments(mixed, edges.map(), x, y);
-      for (unsigned k = 0; k < pieces.count; ++k) rows[row].push_back(pieces.fragment[k]);
+      front_fragments(mixed, edges.map(), x, y, [&](const Fragment& f) { rows[row].push_back(f); });
       if (shown[i] != 0)
         rows[row].push_back(
             {x, y, behind[i], edges_behind.slope(x, y), 1, picture.behind.color[i]});

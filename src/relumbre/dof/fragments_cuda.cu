@@ -1,11 +1,10 @@
-#include "relumbre/dof/fragments_cuda.h"
-
 #include <algorithm>
 #include <string>
 
 #include "relumbre/cuda/launch.cuh"
 #include "relumbre/dof/fragment.h"
 #include "relumbre/dof/fragments_cuda.cuh"
+#include "relumbre/dof/fragments_cuda.h"
 
 namespace relumbre::cuda {
 
@@ -110,7 +109,7 @@ struct Extremes {
 };
 
 __device__ void write(const Fragment& f, DeviceFragment* to) {
-  *to = {f.color, f.coc, f.slope, f.coverage, f.x, f.y, 0, 0};
+  *to = {f.color, f.coc, f.slope, f.coverage, f.x, f.y, 0};
 }
 
 __device__ Fragment behind_fragment(const Behind& behind, std::uint32_t x, std::uint32_t y,
@@ -129,9 +128,11 @@ __global__ void __launch_bounds__(kThreads)
   if (i < picture.width * picture.height) {
     const auto x = static_cast<std::uint32_t>(i % picture.width),
                y = static_cast<std::uint32_t>(i / picture.width);
-    const FrontFragments front = front_fragments(picture, edges, x, y);
-    add(front.fragment[0], i);
-    if (front.count > 1) add(front.fragment[1], atomicAdd(&sink.summary->count, 1U));
+    bool first = true;
+    front_fragments(picture, edges, x, y, [&](const Fragment& f) {
+      add(f, first ? i : atomicAdd(&sink.summary->count, 1U));
+      first = false;
+    });
     if (behind.color != nullptr &&
         is_revealed(behind.silhouettes[i], behind.depth[i], edges.plane.circles[i],
                     behind.edges.plane.circles[i]))
@@ -168,7 +169,8 @@ void DevicePicture::upload(const DepthPicture& picture, const Stream& stream) {
   if (picture.width != width_ || picture.height != height_ ||
       (picture.has_behind() && !may_have_behind_))
     throw ShapeError("picture of " + std::to_string(picture.width) + " × " +
-                     std::to_string(picture.height) + (picture.has_behind() ? " with" : " without") +
+                     std::to_string(picture.height) +
+                     (picture.has_behind() ? " with" : " without") +
                      " what lies behind: the device has room for " + std::to_string(width_) +
                      " × " + std::to_string(height_) + (may_have_behind_ ? " with" : " without"));
   const auto copy = [&](const PictureLayer& from, const Layer& to) {

@@ -46,16 +46,16 @@ class DevicePicture {
   Layer front_, behind_;
 };
 
-/// A Fragment as kernels keep it: three reads of 16 bytes. spread() turns it into what its blur's
-/// sums need, which the words in brackets are for.
+/// A Fragment as kernels keep it: three reads of 16 bytes. Methods turn it into what they need,
+/// which the words in brackets are for.
 struct alignas(16) DeviceFragment {
-  Rgba color;           ///< multiplied by the coverage [and by the blur's share of a pixel]
+  Rgba color;           ///< multiplied by the coverage [divided by a power of two; spread: and
+                        ///< multiplied by the blur's share of a pixel]
   float coc;            ///< signed, pixels
-  Vec2f slope;          ///< of the circle of confusion [the blur's tilt]
-  float coverage;       ///< of the pixel [multiplied by the share]
+  Vec2f slope;          ///< of the circle of confusion [spread: the blur's tilt]
+  float coverage;       ///< of the pixel [spread: multiplied by the share]
   std::uint32_t x, y;   ///< pixel
-  std::uint32_t layer;  ///< [its layer]
-  std::uint32_t rank;   ///< [its place among those of its layer and cell]
+  std::uint32_t layer;  ///< [its layer; layered: the nearer of the two]
 };
 
 /// Of all fragments. The first two are floats in an order that integers have too: see float_of().
