@@ -7,7 +7,8 @@
 
 #include "relumbre/base/error.h"
 #include "relumbre/base/parallel.h"
-#include "relumbre/sat/box_reader.h"
+#include "relumbre/sat/pixel_filter.h"
+#include "relumbre/sat/table_reader.h"
 
 namespace relumbre {
 
@@ -32,55 +33,6 @@ float check_radii(std::span<const float> radii, const SatLayout& layout) {
   return largest;
 }
 
-/// Pixels of the image that the largest square can cover.
-std::size_t covered_pixels(double radius, std::size_t width, std::size_t height) {
-  const std::size_t side = 2 * static_cast<std::size_t>(std::ceil(radius)) + 1;
-  return std::min(side, width) * std::min(side, height);
-}
-
-/// Filters the pixels of one table.
-template <class T>
-class Filter {
- public:
-  Filter(const BoxReader<T>& reader, const SatLayout& layout, const BorderRule& border)
-      : reader_(reader), layout_(layout), border_(border) {}
-
-  [[nodiscard]] SatSums mean(std::size_t x, std::size_t y, double radius) const {
-    const auto whole = static_cast<std::size_t>(radius);
-    const double rest = radius - static_cast<double>(whole);
-    const std::size_t reach = whole + (rest > 0 ? 1 : 0);
-    const bool inside =
-        x >= reach && y >= reach && x + reach < layout_.width && y + reach < layout_.height;
-    return inside ? mean_inside(x, y, whole, rest) : mean_near_border(x, y, radius);
-  }
-
- private:
-  /// A square of fractional radius is a mixture of four boxes that are k or k + 1 wide and high.
-  [[nodiscard]] SatSums mean_inside(std::size_t x, std::size_t y, std::size_t k, double f) const {
-    SatSums total{};
-    const auto add = [&](std::size_t h, std::size_t v, double weight) {
-      reader_.add(x - h, y - v, x + h + 1, y + v + 1, weight, total);
-    };
-    add(k, k, (1 - f) * (1 - f));
-    if (f > 0) add(k + 1, k, f * (1 - f)), add(k, k + 1, f * (1 - f)), add(k + 1, k + 1, f * f);
-    const double side = 2 * (static_cast<double>(k) + f) + 1;
-    for (double& t : total) t /= side * side;
-    return total;
-  }
-
-  [[nodiscard]] SatSums mean_near_border(std::size_t x, std::size_t y, double radius) const {
-    const auto window = [&](std::size_t at, std::size_t size) {
-      const auto centre = static_cast<double>(at);
-      return AxisWindow(centre - radius, centre + radius + 1, size, border_.mode);
-    };
-    return reader_.mean(window(x, layout_.width), window(y, layout_.height), border_);
-  }
-
-  const BoxReader<T>& reader_;
-  const SatLayout& layout_;
-  const BorderRule& border_;
-};
-
 /// Calls radius_at(pixel) for the radius of each pixel.
 template <class RadiusAt>
 void filter_all(const SummedAreaTable& table, double largest, RadiusAt&& radius_at,
@@ -94,7 +46,7 @@ void filter_all(const SummedAreaTable& table, double largest, RadiusAt&& radius_
         fmt::format("box filter of radius {} on a {} table made for boxes of {} pixels", largest,
                     sat_kind_name(table.kind()), table.fixed_point().largest_box));
   with_reader(table, [&](const auto& reader) {
-    const Filter filter(reader, layout, border);
+    const PixelFilter filter(reader, border);
     parallel_for(0, layout.height, kRowsPerTask, [&](std::size_t y) {
       for (std::size_t x = 0; x < layout.width; ++x) {
         const std::size_t pixel = y * layout.width + x;

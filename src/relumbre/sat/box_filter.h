@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "relumbre/sat/pixel_filter.h"
 #include "relumbre/sat/summed_area_table.h"
 
 namespace relumbre {
@@ -21,8 +22,6 @@ struct BoxFilterConfig {
   BorderRule border;
   std::optional<SatRange> range;  ///< as in SatConfig
 };
-
-inline constexpr double kLargestRadius = 1 << 20;
 
 /// The mean over the square of side 2r + 1 about every pixel's centre, of the piecewise-constant
 /// image: pixels at the square's edge count by the part of them that lies inside, so the result

@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "relumbre/base/host_device.h"
+
 namespace relumbre {
 
 /// The values of an image lie in [lowest, highest].
@@ -22,14 +24,15 @@ struct FixedPoint {
   std::int64_t lowest_unit = 0;
   std::size_t largest_box = 0;  ///< pixels of which the sum is certain to fit
 
-  [[nodiscard]] double unit() const { return 1 / scale; }
+  [[nodiscard]] RELUMBRE_HOST_DEVICE double unit() const { return 1 / scale; }
   /// The sum of `pixels` values from what four wrapped sums differ by.
-  [[nodiscard]] std::int64_t unwrap(std::uint32_t wrapped, std::size_t pixels) const {
+  [[nodiscard]] RELUMBRE_HOST_DEVICE std::int64_t unwrap(std::uint32_t wrapped,
+                                                         std::size_t pixels) const {
     const std::uint64_t least = pixels * static_cast<std::uint64_t>(lowest_unit);
     const std::uint32_t above_least = wrapped - static_cast<std::uint32_t>(least);
     return static_cast<std::int64_t>(least + above_least);
   }
-  [[nodiscard]] std::int64_t unwrap(std::uint64_t wrapped, std::size_t) const {
+  [[nodiscard]] RELUMBRE_HOST_DEVICE std::int64_t unwrap(std::uint64_t wrapped, std::size_t) const {
     return static_cast<std::int64_t>(wrapped);
   }
 };

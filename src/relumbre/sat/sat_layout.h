@@ -3,6 +3,8 @@
 
 #include <cstddef>
 
+#include "relumbre/base/host_device.h"
+
 namespace relumbre {
 
 inline constexpr std::size_t kSatMaxChannels = 4;
@@ -28,10 +30,10 @@ struct SatLayout {
   std::size_t row_stride = 0;  ///< in elements
   std::size_t elements = 0;    ///< of the whole table
 
-  [[nodiscard]] std::size_t at(std::size_t x, std::size_t y) const {
+  [[nodiscard]] RELUMBRE_HOST_DEVICE std::size_t at(std::size_t x, std::size_t y) const {
     return origin + y * row_stride + x * channels;
   }
-  [[nodiscard]] std::size_t pixels() const { return width * height; }
+  [[nodiscard]] RELUMBRE_HOST_DEVICE std::size_t pixels() const { return width * height; }
 };
 
 /// The layout of a table whose sums are `element_bytes` (4 or 8) long. Either side may be 0. Throws

@@ -1,27 +1,13 @@
 /// Builds the bare table of sums, for those who bring their own queries.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <span>
 
-#include "relumbre/sat/sat_layout.h"
+#include "relumbre/sat/sat_summands.h"
 
 namespace relumbre {
-
-/// What is summed instead of the pixels' values themselves.
-template <class In>
-struct SatSummands {
-  /// Real values in unsigned tables: round(value · scale), half to even. A power of two.
-  double scale = 1;
-  /// float32 tables: what is taken from every value of each channel.
-  std::array<float, kSatMaxChannels> mean{};
-  /// Unsigned tables: values that lie outside, and NaN, are refused. |value · scale| must be below
-  /// 2^31 (32 bits) or 2^51 within.
-  In lowest = std::numeric_limits<In>::lowest(), highest = std::numeric_limits<In>::max();
-};
 
 /// Fills `table` (layout.elements numbers whose first begins a cache line), row 0 and column 0
 /// included, with

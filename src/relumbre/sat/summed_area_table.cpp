@@ -9,19 +9,15 @@
 #include <fmt/format.h>
 
 #include "relumbre/base/error.h"
-#include "relumbre/sat/box_reader.h"
 #include "relumbre/sat/image_statistics.h"
 #include "relumbre/sat/sat_table.h"
+#include "relumbre/sat/table_reader.h"
 
 namespace relumbre {
 
 namespace {
 
 constexpr double kFarthest = 1 << 30;
-
-std::size_t sum_bytes(SatKind kind) {
-  return kind == SatKind::kFixed64 || kind == SatKind::kFloat64 ? 8 : 4;
-}
 
 SummedAreaTable::Storage allocate(SatKind kind, std::size_t elements) {
   switch (kind) {
@@ -36,29 +32,6 @@ SummedAreaTable::Storage allocate(SatKind kind, std::size_t elements) {
       return HugeArray<float>(elements);
   }
   throw ValueError(fmt::format("summed-area table: no kind {}", static_cast<int>(kind)));
-}
-
-/// The kernels compare floats, and units must not lie outside what they let pass.
-SatRange as_floats(const SatRange& range) {
-  constexpr double most = std::numeric_limits<float>::max();
-  if (!(std::abs(range.lowest) <= most && std::abs(range.highest) <= most)) return range;
-  return {static_cast<float>(range.lowest), static_cast<float>(range.highest)};
-}
-
-template <class In>
-FixedPoint choose_fixed_point(std::span<const In> pixels, const SatLayout& layout,
-                              const SatConfig& config, SatRange& range) {
-  const int bits = config.kind == SatKind::kFixed32 ? 32 : 64;
-  if constexpr (std::is_floating_point_v<In>) {
-    range = config.range ? as_floats(*config.range) : find_range(pixels, layout);
-    const std::size_t box = config.largest_box > 0 ? config.largest_box : layout.pixels();
-    return fixed_point_for_reals(range, box, bits);
-  } else {
-    range = config.range.value_or(SatRange{0, std::numeric_limits<In>::max()});
-    range = {std::max(std::ceil(range.lowest), 0.0),
-             std::min(std::floor(range.highest), double{std::numeric_limits<In>::max()})};
-    return fixed_point_for_integers(range, config.largest_box, layout.pixels(), bits);
-  }
 }
 
 template <class T>
@@ -77,24 +50,6 @@ void check_finite(const HugeArray<T>& sums, const SatLayout& layout) {
 
 }  // namespace
 
-std::string_view sat_kind_name(SatKind kind) {
-  switch (kind) {
-    case SatKind::kFixed32:
-      return "fixed32";
-    case SatKind::kFixed64:
-      return "fixed64";
-    case SatKind::kFloat64:
-      return "float64";
-    case SatKind::kFloat32:
-      return "float32";
-    case SatKind::kFloat32Centred:
-      return "float32-centred";
-  }
-  return "unknown";
-}
-
-bool is_fixed(SatKind kind) { return kind == SatKind::kFixed32 || kind == SatKind::kFixed64; }
-
 SummedAreaTable::SummedAreaTable(std::size_t width, std::size_t height, std::size_t channels,
                                  const SatConfig& config)
     : config_(config),
@@ -104,21 +59,18 @@ SummedAreaTable::SummedAreaTable(std::size_t width, std::size_t height, std::siz
 template <class In>
 void SummedAreaTable::fill(std::span<const In> pixels) {
   check_pixel_count(layout_, pixels.size());
-  SatSummands<In> summands;
-  SatRange range{0, 0};
-  if (is_fixed(config_.kind)) {
-    fixed_ = choose_fixed_point(pixels, layout_, config_, range);
-    summands.scale = fixed_.scale;
-    summands.lowest = static_cast<In>(range.lowest);
-    summands.highest = static_cast<In>(range.highest);
-  }
-  if (config_.kind == SatKind::kFloat32Centred)
-    mean_ = config_.mean ? *config_.mean : find_mean(pixels, layout_);
-  summands.mean = mean_;
+  const SatPlan<In> plan = plan_sat<In>(
+      config_, layout_,
+      [&] {
+        if constexpr (std::is_same_v<In, float>) return find_range(pixels, layout_);
+        return SatRange{};
+      },
+      [&] { return find_mean(pixels, layout_); });
+  fixed_ = plan.fixed, mean_ = plan.summands.mean;
   std::visit(
       [&]<class T>(HugeArray<T>& sums) {
-        if (!build_sat_table(pixels, layout_, summands, sums.span()))
-          report_outside(pixels, layout_, range);
+        if (!build_sat_table(pixels, layout_, plan.summands, sums.span()))
+          report_outside(pixels, layout_, plan.range);
         check_finite(sums, layout_);
       },
       storage_);

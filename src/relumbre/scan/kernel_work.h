@@ -10,11 +10,10 @@
 #include "relumbre/scan/chained.h"
 #include "relumbre/scan/kernels.h"
 #include "relumbre/scan/monoid.h"
+#include "relumbre/scan/scan_kind.h"
 #include "relumbre/scan/stream_writer.h"
 
 namespace relumbre {
-
-enum class ScanKind { kInclusive, kExclusive };
 
 namespace scan_detail {
 

@@ -39,14 +39,10 @@
 #include "relumbre/scan/kernel_work.h"
 #include "relumbre/scan/kernels.h"
 #include "relumbre/scan/monoid.h"
+#include "relumbre/scan/scan_kind.h"
 #include "relumbre/scan/sequential.h"
 
 namespace relumbre {
-
-/// What sums In into Out without loss: never narrower than Out, and wider for float32.
-template <class In, class Out>
-using DefaultPlus =
-    Plus<std::conditional_t<std::is_same_v<Out, float> && !std::is_same_v<In, float>, double, Out>>;
 
 namespace scan_detail {
 

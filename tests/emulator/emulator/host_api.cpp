@@ -4,6 +4,7 @@
 #include <deque>
 #include <mutex>
 #include <unordered_map>
+#include <unordered_set>
 #include <utility>
 #include <vector>
 
@@ -21,6 +22,7 @@ struct CUstream_st {
   CUgraph_st* capture = nullptr;
 };
 struct CUevent_st {
+  CUgraph_st* capture = nullptr;  ///< recorded by a stream that captures
   std::chrono::steady_clock::time_point at;
 };
 
@@ -28,6 +30,7 @@ namespace {
 
 std::recursive_mutex guard;
 std::deque<Work> queue;
+std::unordered_set<CUstream_st*> streams;
 std::unordered_map<void*, std::size_t> allocations;
 std::size_t device_bytes = std::size_t{1} << 30, used_bytes = 0;
 cudaError_t last_error = cudaSuccess;
@@ -152,15 +155,22 @@ cudaError_t cudaMemsetAsync(void* at, int value, std::size_t bytes, cudaStream_t
 }
 
 cudaError_t cudaStreamCreateWithFlags(cudaStream_t* stream, unsigned) {
-  return *stream = new CUstream_st, cudaSuccess;
+  const std::lock_guard lock(guard);
+  streams.insert(*stream = new CUstream_st);
+  return cudaSuccess;
 }
 cudaError_t cudaStreamDestroy(cudaStream_t stream) {
+  const std::lock_guard lock(guard);
   emulator::synchronize();
+  streams.erase(stream);
   delete stream;
   return cudaSuccess;
 }
 cudaError_t cudaStreamSynchronize(cudaStream_t) { return emulator::synchronize(), cudaSuccess; }
-cudaError_t cudaStreamWaitEvent(cudaStream_t, cudaEvent_t, unsigned) { return cudaSuccess; }
+cudaError_t cudaStreamWaitEvent(cudaStream_t stream, cudaEvent_t event, unsigned) {
+  if (event->capture != nullptr) stream->capture = event->capture;  // it joins
+  return cudaSuccess;
+}
 cudaError_t cudaLaunchHostFunc(cudaStream_t stream, cudaHostFn_t function, void* data) {
   return emulator::enqueue(stream, [=] { function(data); }), cudaSuccess;
 }
@@ -173,6 +183,7 @@ cudaError_t cudaEventDestroy(cudaEvent_t event) {
   return cudaSuccess;
 }
 cudaError_t cudaEventRecord(cudaEvent_t event, cudaStream_t stream) {
+  event->capture = stream == nullptr ? nullptr : stream->capture;
   emulator::enqueue(stream, [=] { event->at = std::chrono::steady_clock::now(); });
   return cudaSuccess;
 }
@@ -188,7 +199,10 @@ cudaError_t cudaStreamBeginCapture(cudaStream_t stream, cudaStreamCaptureMode) {
   return cudaSuccess;
 }
 cudaError_t cudaStreamEndCapture(cudaStream_t stream, cudaGraph_t* graph) {
-  *graph = std::exchange(stream->capture, nullptr);
+  *graph = stream->capture;
+  const std::lock_guard lock(guard);
+  for (CUstream_st* each : streams)
+    if (each->capture == *graph) each->capture = nullptr;
   return *graph != nullptr ? cudaSuccess : fail(cudaErrorInvalidValue);
 }
 cudaError_t cudaGraphInstantiate(cudaGraphExec_t* exec, cudaGraph_t graph, unsigned long long) {
