@@ -7,11 +7,18 @@
 
 namespace relumbre::cuda {
 
+namespace {
+
+/// Up to three fragments a pixel in two layers each are told apart by 32 bits.
+constexpr std::size_t kMostPixels = std::size_t{1} << 29;
+
+}  // namespace
+
 DeviceDof::DeviceDof(std::size_t width, std::size_t height, bool behind)
     : width_(width), height_(height), behind_(behind) {
-  if (width == 0 || height == 0 || width > (std::size_t{1} << 30) / height)
+  if (width == 0 || height == 0 || width > kMostPixels / height)
     throw ShapeError("picture of " + std::to_string(width) + " × " + std::to_string(height) +
-                     ": the device takes 1 to 2^30 pixels");
+                     ": the device takes 1 to 2^29 pixels");
 }
 
 void DeviceDof::upload(const DepthPicture& picture) {
@@ -26,15 +33,19 @@ void DeviceDof::upload(const DepthPicture& picture) {
   stream_.wait();
 }
 
-DeviceFragments& DeviceDof::fragments() {
-  if (!fragments_) {
-    const std::size_t pixels = width_ * height_;
-    expect_free(
-        DeviceFragments::bytes_of(pixels, behind_) + DeviceSpread::bytes_of(pixels, behind_),
-        "depth of field: fragments");
-    fragments_.emplace(pixels, behind_);
+/// Makes it when it is first asked for, if there is room.
+template <class Method, class... Arguments>
+Method& DeviceDof::made(std::optional<Method>& method, std::size_t bytes, Arguments... arguments) {
+  if (!method) {
+    expect_free(bytes, "depth of field");
+    method.emplace(arguments...);
   }
-  return *fragments_;
+  return *method;
+}
+
+DeviceFragments& DeviceDof::fragments() {
+  const std::size_t pixels = width_ * height_;
+  return made(fragments_, DeviceFragments::bytes_of(pixels, behind_), pixels, behind_);
 }
 
 void DeviceDof::run(const DofConfig& config) {
@@ -42,9 +53,20 @@ void DeviceDof::run(const DofConfig& config) {
   if (!picture_) throw ValueError("depth of field: no picture was uploaded");
   if (config.infill && config.method != DofMethod::kGather && !picture_->has_behind())
     throw ValueError("depth of field: what lies behind is to be filled in before the upload");
-  DeviceFragments& found = fragments();
-  if (!spread_) spread_.emplace(width_ * height_, behind_);
-  spread_->run(*picture_, found, config.lens, config.spread, result_.data(), stream_);
+  const std::size_t pixels = width_ * height_;
+  const double largest = config.spread.largest_diameter;
+  switch (config.method) {
+    case DofMethod::kGather:
+      return made(gather_, DeviceGather::bytes_of(pixels), width_, height_)
+          .run(*picture_, config.lens, largest, result_.data(), stream_);
+    case DofMethod::kLayered:
+      return made(layered_, DeviceLayered::bytes_of(pixels, behind_), pixels, behind_)
+          .run(*picture_, fragments(), config.lens, {config.layered_steps, largest}, result_.data(),
+               stream_);
+    case DofMethod::kSpread:
+      return made(spread_, DeviceSpread::bytes_of(pixels, behind_), pixels, behind_)
+          .run(*picture_, fragments(), config.lens, config.spread, result_.data(), stream_);
+  }
 }
 
 std::vector<Rgba> DeviceDof::download() const {

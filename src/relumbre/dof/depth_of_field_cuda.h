@@ -9,6 +9,8 @@
 #include "relumbre/cuda/stream.h"
 #include "relumbre/dof/depth_of_field.h"
 #include "relumbre/dof/fragments_cuda.h"
+#include "relumbre/dof/gather_cuda.h"
+#include "relumbre/dof/layered_cuda.h"
 #include "relumbre/dof/spread_cuda.h"
 
 namespace relumbre::cuda {
@@ -40,6 +42,8 @@ class DeviceDof {
   [[nodiscard]] const Rgba* result() const { return result_.data(); }
 
  private:
+  template <class Method, class... Arguments>
+  static Method& made(std::optional<Method>& method, std::size_t bytes, Arguments... arguments);
   DeviceFragments& fragments();
 
   std::size_t width_, height_;
@@ -48,6 +52,8 @@ class DeviceDof {
   std::optional<DevicePicture> picture_;
   DeviceArray<Rgba> result_;
   std::optional<DeviceFragments> fragments_;
+  std::optional<DeviceGather> gather_;
+  std::optional<DeviceLayered> layered_;
   std::optional<DeviceSpread> spread_;
 };
 

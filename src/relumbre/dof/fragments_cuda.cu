@@ -23,7 +23,7 @@ __device__ __forceinline__ std::size_t thread_index() {
 }
 
 __global__ void begin_summary(FragmentSummary* summary, std::uint32_t pixels) {
-  *summary = {.least_coc = ~0U, .largest_coc = 0, .brightest = 0, .count = pixels};
+  *summary = {.least = ~0U, .largest = 0, .brightest = 0, .count = pixels};
 }
 
 __global__ void find_circles(const float* depth, CircleOfDepth circle, std::size_t pixels,
@@ -94,16 +94,16 @@ struct Extremes {
   std::uint32_t not_least = 0, largest = 0, brightest = 0;
 
   __device__ void take(const Fragment& f) {
-    not_least = std::max(not_least, ~ordered(f.coc));
-    largest = std::max(largest, ordered(f.coc));
+    not_least = std::max(not_least, ~FragmentSummary::ordered(f.coc));
+    largest = std::max(largest, FragmentSummary::ordered(f.coc));
     brightest = std::max(brightest, __float_as_uint(largest_channel(f.color)));
   }
   __device__ void tell(FragmentSummary* summary) const {
     const std::uint32_t least = ~warp_largest(not_least), most = warp_largest(largest),
                         light = warp_largest(brightest);
     if (threadIdx.x % kWarp != 0) return;
-    lower_to(&summary->least_coc, least);
-    raise_to(&summary->largest_coc, most);
+    lower_to(&summary->least, least);
+    raise_to(&summary->largest, most);
     raise_to(&summary->brightest, light);
   }
 };

@@ -1,4 +1,4 @@
-/// Device-only: floats as integers of the same order, so that atomics find the least of them.
+/// Device-only: the largest and the least of many.
 #pragma once
 
 #include <cstdint>
@@ -9,15 +9,6 @@
 #include "relumbre/cuda/warp.cuh"
 
 namespace relumbre::cuda {
-
-/// Negative floats have all bits turned over, others the sign alone.
-__device__ __forceinline__ std::uint32_t ordered(float value) {
-  const std::uint32_t bits = __float_as_uint(value);
-  return (bits >> 31) != 0 ? ~bits : bits | 0x80000000U;
-}
-__device__ __forceinline__ float float_of(std::uint32_t ordered) {
-  return __uint_as_float((ordered >> 31) != 0 ? ordered & 0x7FFFFFFFU : ~ordered);
-}
 
 /// Only what is larger than what is there needs an atomic, which soon is nothing.
 __device__ __forceinline__ void raise_to(std::uint32_t* at, std::uint32_t value) {

@@ -1,9 +1,11 @@
 /// Pictures with depth on a GPU, and the fragments that they are made of.
 #pragma once
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 
+#include "relumbre/base/host_device.h"
 #include "relumbre/cuda/memory.h"
 #include "relumbre/cuda/stream.h"
 #include "relumbre/dof/circle_of_depth.h"
@@ -58,11 +60,22 @@ struct alignas(16) DeviceFragment {
   std::uint32_t layer;  ///< [its layer; layered: the nearer of the two]
 };
 
-/// Of all fragments. The first two are floats in an order that integers have too: see float_of().
+/// Of all fragments. Floats are kept so that atomics on integers find the least of them: negative
+/// ones with all bits turned over, others with the sign's alone.
 struct FragmentSummary {
-  std::uint32_t least_coc, largest_coc;
+  std::uint32_t least, largest;
   std::uint32_t brightest;  ///< bits of the largest |colour| of any channel
   std::uint32_t count;
+
+  [[nodiscard]] RELUMBRE_HOST_DEVICE float least_coc() const { return float_of(least); }
+  [[nodiscard]] RELUMBRE_HOST_DEVICE float largest_coc() const { return float_of(largest); }
+  static RELUMBRE_HOST_DEVICE std::uint32_t ordered(float value) {
+    const auto bits = std::bit_cast<std::uint32_t>(value);
+    return (bits >> 31) != 0 ? ~bits : bits | 0x80000000U;
+  }
+  static RELUMBRE_HOST_DEVICE float float_of(std::uint32_t ordered) {
+    return std::bit_cast<float>((ordered >> 31) != 0 ? ordered & 0x7FFFFFFFU : ~ordered);
+  }
 };
 
 /// fragments_of() on the device: the same, but for their order. One for every pixel is at the

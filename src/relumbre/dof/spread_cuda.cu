@@ -44,8 +44,7 @@ struct SpreadTable {
     f.color = {c.r * scale, c.g * scale, c.b * scale, c.a * scale};
     f.coverage *= scale;
     f.slope = {static_cast<float>(tilt.right), static_cast<float>(tilt.down)};
-    const LayerOf layer_of(float_of(sort.summary->least_coc), float_of(sort.summary->largest_coc),
-                           sort.layers);
+    const LayerOf layer_of(sort.summary->least_coc(), sort.summary->largest_coc(), sort.layers);
     f.layer = static_cast<std::uint32_t>(layer_of(f.coc));
   }
 };
