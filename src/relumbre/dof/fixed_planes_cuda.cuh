@@ -46,12 +46,21 @@ struct FixedPlanes {
   __device__ void clear(unsigned thread, unsigned threads) {
     for (unsigned i = thread; i < kSums; i += threads) (&low[0][0][0])[i] = (&high[0][0][0])[i] = 0;
   }
-  /// Several threads may add to one sum.
-  __device__ __forceinline__ void add(int plane, int row, int column, Fixed value) {
-    const auto part = static_cast<std::uint32_t>(value);
-    const std::uint32_t old = atomicAdd(&low[plane][row][column], part);
-    const std::uint32_t carry = old > ~part ? 1 : 0;
-    atomicAdd(&high[plane][row][column], static_cast<std::uint32_t>(value >> 32) + carry);
+  /// To `kCount` planes from the first on. Several threads may add to one sum. The halves one after
+  /// another, so that the planes' additions do not wait for each other.
+  template <int kCount>
+  __device__ __forceinline__ void add(int first, int row, int column,
+                                      const Fixed (&values)[kCount]) {
+    std::uint32_t carry[kCount];
+#pragma unroll
+    for (int i = 0; i < kCount; ++i) {
+      const auto part = static_cast<std::uint32_t>(values[i]);
+      carry[i] = atomicAdd(&low[first + i][row][column], part) > ~part ? 1 : 0;
+    }
+#pragma unroll
+    for (int i = 0; i < kCount; ++i)
+      atomicAdd(&high[first + i][row][column],
+                static_cast<std::uint32_t>(values[i] >> 32) + carry[i]);
   }
   [[nodiscard]] __device__ __forceinline__ Fixed at(int plane, int row, int column) const {
     return Fixed{high[plane][row][column]} << 32 | low[plane][row][column];

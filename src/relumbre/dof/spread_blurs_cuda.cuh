@@ -121,22 +121,19 @@ class RowBlurs {
       const int column = steps.at(i);
       const double weight = steps.weight(i) * static_cast<double>(span.height);
       const double value = weight * (level + right * (column - source.column));
-#pragma unroll
-      for (int q = 0; q < kLanes; ++q)
-        step(i == 0, q, row, column, static_cast<double>(source.light[q]) * value);
-      if (right == 0) continue;
-#pragma unroll
-      for (int q = 0; q < kLanes; ++q)
-        step(i == 0, kLanes + q, row, column,
-             static_cast<double>(source.light[q]) * (weight * right));
+      step(i == 0, 0, row, column, source.light, value);
+      if (right != 0) step(i == 0, kLanes, row, column, source.light, weight * right);
     }
   }
-  __device__ __forceinline__ void step(bool first, int plane, int row, int column, double value) {
-    const Fixed fixed = fixed_of(value);
-    if (first)
-      first_[plane] += fixed;
-    else
-      memory_.planes.add(plane, row, column, fixed);
+  /// Of all lanes' values, or slopes.
+  __device__ __forceinline__ void step(bool first, int plane, int row, int column,
+                                       const float* light, double weight) {
+    Fixed fixed[kLanes];
+#pragma unroll
+    for (int q = 0; q < kLanes; ++q) fixed[q] = fixed_of(static_cast<double>(light[q]) * weight);
+    if (!first) return memory_.planes.add(plane, row, column, fixed);
+#pragma unroll
+    for (int q = 0; q < kLanes; ++q) first_[plane + q] += fixed[q];
   }
 
   Memory& memory_;
@@ -210,23 +207,24 @@ class BoxBlurs {
     for (int i = 0; i < ClippedSteps::kSteps; ++i) {
       const double weight = columns.weight(i) * of_row;
       if (weight == 0) continue;
+      Fixed fixed[kLanes];
 #pragma unroll
-      for (int q = 0; q < kLanes; ++q) {
-        const Fixed fixed = fixed_of(static_cast<double>(mine_.light[q]) * weight);
-        if (i == 0 && row == 0)
-          first_[q] += fixed;
-        else
-          memory_.planes.add(q, row, columns.at(i), fixed);
+      for (int q = 0; q < kLanes; ++q)
+        fixed[q] = fixed_of(static_cast<double>(mine_.light[q]) * weight);
+      if (i == 0 && row == 0) {
+#pragma unroll
+        for (int q = 0; q < kLanes; ++q) first_[q] += fixed[q];
+      } else {
+        memory_.planes.add(0, row, columns.at(i), fixed);
       }
     }
   }
   __device__ void flush_first() {
 #pragma unroll
-    for (int q = 0; q < kLanes; ++q) {
-      const Fixed first = warp_total(first_[q]);
-      if (threadIdx.x % kWarp == 0 && first != 0) memory_.planes.add(q, 0, 0, first);
-      first_[q] = 0;
-    }
+    for (int q = 0; q < kLanes; ++q) first_[q] = warp_total(first_[q]);
+    if (threadIdx.x % kWarp == 0) memory_.planes.add(0, 0, 0, first_);
+#pragma unroll
+    for (int q = 0; q < kLanes; ++q) first_[q] = 0;
   }
   __device__ void add_down(int plane, int column) {
     Fixed sum = 0;

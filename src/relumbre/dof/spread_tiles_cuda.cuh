@@ -41,12 +41,16 @@ struct Candidate {
   int x, y, columns;
 };
 
+/// Layers that are looked for in a tile at once.
+inline constexpr std::uint32_t kPresence = 64;
+
 template <class Blurs>
 struct TileMemory {
   typename Blurs::Memory blurs;
   std::uint32_t run_end[kTileThreads], run_shift[kTileThreads];
   Candidate candidates[kTileThreads];
   std::uint32_t owner[kTileThreads];
+  std::uint32_t present[kPresence / 32];
   std::uint32_t warps[kTileWarps];
 };
 
@@ -60,27 +64,32 @@ class TileSources {
                          const Table& table, int left, int top)
       : memory_(memory), sorted_(sorted), table_(table), left_(left), top_(top) {}
 
+  /// Of kPresence layers from `group` on, those that have entries in cells near enough: a bit each
+  /// in memory.present. A warp looks at a layer.
+  __device__ void look(std::uint32_t group) {
+    const unsigned lane = threadIdx.x % kWarp;
+    for (unsigned i = threadIdx.x / kWarp; i < kPresence; i += kTileWarps) {
+      bool any = false;
+      if (group + i < sorted_.layers) {
+        const Near near = near_cells(group + i);
+        for (std::uint32_t row = near.first_row + lane; row <= near.last_row; row += kWarp)
+          any = any || run_of(near, group + i, row).count > 0;
+      }
+      if (__any_sync(kAllLanes, any) == 0) continue;
+      if (lane == 0) atomicOr(&memory_.present[i / 32], 1U << (i % 32));
+    }
+  }
+
   /// Entries of the layer in cells that are near enough: rows of cells, in each of which they
   /// follow one another.
   __device__ unsigned find(std::uint32_t layer) {
     layer_ = layer;
-    const int reach = table_.layer_reach(sorted_, layer);
-    const std::uint32_t first = cell(left_ - reach, kCellColumns, sorted_.cell_columns),
-                        last = cell(left_ + kTileColumns - 1 + reach, kCellColumns,
-                                    sorted_.cell_columns),
-                        row = cell(top_ - reach, kCellRows, sorted_.cell_rows) + threadIdx.x,
-                        last_row =
-                            cell(top_ + Blurs::kRows - 1 + reach, kCellRows, sorted_.cell_rows);
-    std::uint32_t start = 0, count = 0;
-    if (row <= last_row) {
-      const std::size_t cells =
-          (std::size_t{layer} * sorted_.cell_rows + row) * sorted_.cell_columns;
-      start = sorted_.ends[cells + first] - sorted_.counts[cells + first];
-      count = sorted_.ends[cells + last] - start;
-    }
-    const BlockScan scan = block_scan(count, memory_.warps);
-    memory_.run_end[threadIdx.x] = scan.before + count;
-    memory_.run_shift[threadIdx.x] = start - scan.before;
+    const Near near = near_cells(layer);
+    const std::uint32_t row = near.first_row + threadIdx.x;
+    const Run run = row <= near.last_row ? run_of(near, layer, row) : Run{};
+    const BlockScan scan = block_scan(run.count, memory_.warps);
+    memory_.run_end[threadIdx.x] = scan.before + run.count;
+    memory_.run_shift[threadIdx.x] = run.start - scan.before;
     __syncthreads();
     return scan.total;
   }
@@ -107,6 +116,26 @@ class TileSources {
   }
 
  private:
+  struct Near {
+    std::uint32_t first, last, first_row, last_row;  ///< columns and rows of cells
+  };
+  struct Run {
+    std::uint32_t start = 0, count = 0;  ///< in the order
+  };
+  [[nodiscard]] __device__ Near near_cells(std::uint32_t layer) const {
+    const int reach = table_.layer_reach(sorted_, layer);
+    return {cell(left_ - reach, kCellColumns, sorted_.cell_columns),
+            cell(left_ + kTileColumns - 1 + reach, kCellColumns, sorted_.cell_columns),
+            cell(top_ - reach, kCellRows, sorted_.cell_rows),
+            cell(top_ + Blurs::kRows - 1 + reach, kCellRows, sorted_.cell_rows)};
+  }
+  [[nodiscard]] __device__ Run run_of(const Near& near, std::uint32_t layer,
+                                      std::uint32_t row) const {
+    const std::size_t cells = (std::size_t{layer} * sorted_.cell_rows + row) * sorted_.cell_columns;
+    const std::uint32_t start =
+        sorted_.ends[cells + near.first] - sorted_.counts[cells + near.first];
+    return {start, sorted_.ends[cells + near.last] - start};
+  }
   [[nodiscard]] __device__ static std::uint32_t cell(int at, std::uint32_t size,
                                                      std::uint32_t cells) {
     return at <= 0 ? 0 : std::min(static_cast<std::uint32_t>(at) / size, cells - 1);
@@ -235,13 +264,21 @@ __global__ void __launch_bounds__(kTileThreads, 2)
   Blurs blurs(memory.blurs, table);
   TileSources<Blurs> sources(memory, sorted, table, left, top);
   TileCover<Blurs> cover(sorted, left, top);
-  for (std::uint32_t layer = 0; layer < sorted.layers; ++layer) {
-    const unsigned total = sources.find(layer);
-    if (total == 0) continue;
-    sources.spread(total, blurs);
+  const auto add_layer = [&](std::uint32_t layer) {
+    sources.spread(sources.find(layer), blurs);
     const double tolerance = tolerance_of(table.diameter(sorted, layer));
     blurs.add_up([&](int r, const auto& row) { cover.add(r, row, tolerance); });
-    if (!block_any(cover.open(), memory.warps)) break;
+    return block_any(cover.open(), memory.warps);
+  };
+  bool open = true;
+  for (std::uint32_t group = 0; open && group < sorted.layers; group += kPresence) {
+    __syncthreads();  // the planes are clear, and the last group's bits are read
+    if (threadIdx.x < kPresence / 32) memory.present[threadIdx.x] = 0;
+    __syncthreads();
+    sources.look(group);
+    __syncthreads();
+    for (std::uint32_t i = 0; open && i < kPresence; ++i)
+      if ((memory.present[i / 32] >> (i % 32) & 1) != 0) open = add_layer(group + i);
   }
   cover.write(result);
 }
