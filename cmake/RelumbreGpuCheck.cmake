@@ -25,6 +25,11 @@ relumbre_portable(base SOURCES atomic_file.cpp atomic_stream.cpp content_hash.cp
                                parallel_std.cpp progress.cpp sampling.cpp)
 relumbre_portable(scan SOURCES ../../../tests/bare/scan_kernels.cpp DEPENDS base)
 relumbre_portable(sat SOURCES fixed_point.cpp sat_layout.cpp DEPENDS base)
+relumbre_portable(image SOURCES image.cpp thin_lens.cpp DEPENDS base)
+relumbre_portable(dof SOURCES aperture_kernel.cpp blur_steps.cpp depth_layers.cpp depth_picture.cpp focus.cpp fragments.cpp
+                              infill.cpp mixed_pixel.cpp outline.cpp picture_channels.cpp revealed.cpp
+                              skewed_outline.cpp spread.cpp surface_edges.cpp
+                  DEPENDS image)
 relumbre_portable(geometry SOURCES cluster.cpp facet.cpp facet_forest.cpp facet_group.cpp hierarchy.cpp
                                    label_locator.cpp position_index.cpp tessellation.cpp
                   DEPENDS base)

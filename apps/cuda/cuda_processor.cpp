@@ -31,9 +31,9 @@ class CudaProcessor final : public Processor {
   }
   [[nodiscard]] std::vector<Rgba> depth_of_field(const DepthPicture& picture,
                                                  const DofConfig& config,
-                                                 Progress& progress) const override {
+                                                 Progress&) const override {
     const cuda::UseDevice use(device_);
-    return cuda::depth_of_field(picture, config, progress);
+    return cuda::depth_of_field(picture, config);
   }
   [[nodiscard]] TreeCaster tree_caster(const VoxelTree& tree) const override {
     const cuda::UseDevice use(device_);

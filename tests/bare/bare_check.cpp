@@ -1,8 +1,10 @@
 // The stand-ins for GoogleTest and {fmt} do what is expected of them: Passes.* pass, each of
 // Fails.* fails.
 #include <stdexcept>
+#include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gtest/gtest.h>
 
 TEST(Passes, Comparisons) {
@@ -24,6 +26,8 @@ TEST(Passes, Format) {
   EXPECT_EQ(fmt::format("{} of {}: {:.3f} and no more", 3, "seven", 1.5),
             std::string("3 of seven: 1.5 and no more"));
   EXPECT_EQ(fmt::format("nothing"), std::string("nothing"));
+  const std::vector<int> values{1, 2, 3};
+  EXPECT_EQ(fmt::format("{}", fmt::join(values, ", ")), std::string("1, 2, 3"));
 }
 
 TEST(Passes, Skips) {

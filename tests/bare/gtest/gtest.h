@@ -172,11 +172,13 @@ inline int run_all(int argc, char** argv) {
 #define EXPECT_GE(a, b) RELUMBRE_BARE_COMPARE(a, b, >=, )
 #define EXPECT_TRUE(condition) RELUMBRE_BARE_TRUE(condition, true, )
 #define EXPECT_FALSE(condition) RELUMBRE_BARE_TRUE(condition, false, )
-#define EXPECT_NEAR(a, b, most)                                                       \
-  RELUMBRE_BARE_CHECK(                                                                \
-      testing::compared((a), (b), #a " near " #b, [&](const auto& x, const auto& y) { \
-        return std::abs(x - y) <= (most);                                             \
-      }), )
+#define RELUMBRE_BARE_NEAR(a, b, most, on_failure)                                                \
+  RELUMBRE_BARE_CHECK(                                                                            \
+      testing::compared((a), (b), #a " near " #b,                                                 \
+                        [&](const auto& x, const auto& y) { return std::abs(x - y) <= (most); }), \
+      on_failure)
+#define EXPECT_NEAR(a, b, most) RELUMBRE_BARE_NEAR(a, b, most, )
+#define ASSERT_NEAR(a, b, most) RELUMBRE_BARE_NEAR(a, b, most, return )
 #define EXPECT_FLOAT_EQ(a, b) EXPECT_NEAR(a, b, 4 * 1.2e-7F * std::abs(b))
 #define EXPECT_DOUBLE_EQ(a, b) EXPECT_NEAR(a, b, 4 * 2.3e-16 * std::abs(b))
 #define EXPECT_THROW(statement, type)               \
