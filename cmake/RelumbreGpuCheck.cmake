@@ -24,7 +24,7 @@ endfunction()
 relumbre_portable(base SOURCES atomic_file.cpp atomic_stream.cpp content_hash.cpp huge_array.cpp mapped_file.cpp
                                parallel_std.cpp progress.cpp sampling.cpp)
 relumbre_portable(scan SOURCES ../../../tests/bare/scan_kernels.cpp DEPENDS base)
-relumbre_portable(sat SOURCES axis_window.cpp fixed_point.cpp sat_layout.cpp DEPENDS base)
+relumbre_portable(sat SOURCES fixed_point.cpp sat_layout.cpp DEPENDS base)
 relumbre_portable(geometry SOURCES cluster.cpp facet.cpp facet_forest.cpp facet_group.cpp hierarchy.cpp
                                    label_locator.cpp position_index.cpp tessellation.cpp
                   DEPENDS base)

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstdint>
 
 #include <fmt/format.h>
 
@@ -124,22 +123,8 @@ ApertureKernel turned(const ApertureKernel& kernel) {
   return result;
 }
 
-// A pixel's own share of its light falls by half from a blur of 1 to one of 1.6 pixels: steps
-// there must be fine, or rings of neighbouring steps show.
-constexpr double kStepsPerPixel = 64, kEvenUpTo = 4;
-constexpr int kDroppedBits = 15;  // of a float's mantissa of 23: 256 steps an octave are left
-
-/// Where steps cease to be even, as the number that is left of a float's bits.
-constexpr std::uint32_t kEven = std::bit_cast<std::uint32_t>(4.0F) >> kDroppedBits;
-constexpr std::uint32_t kEvenSteps = 256;
-
-std::uint32_t step_of(double diameter) {
-  if (diameter <= kEvenUpTo) return static_cast<std::uint32_t>(kStepsPerPixel * diameter + 0.5);
-  const auto bits = std::bit_cast<std::uint32_t>(static_cast<float>(diameter));
-  return kEvenSteps + ((bits + (1U << (kDroppedBits - 1))) >> kDroppedBits) - kEven;
-}
-
 double diameter_of(std::uint32_t step) {
+  using namespace kernel_steps;
   if (step <= kEvenSteps) return step / kStepsPerPixel;
   return static_cast<double>(std::bit_cast<float>((step - kEvenSteps + kEven) << kDroppedBits));
 }
@@ -154,7 +139,7 @@ ApertureKernels::ApertureKernels(BlurShape shape, const Aperture& aperture,
                                  largest_diameter, kLargest));
   }
   const Outline outline(shape, aperture);
-  for (std::uint32_t step = 0; step <= step_of(largest_diameter); ++step) {
+  for (std::uint32_t step = 0; step <= kernel_step(largest_diameter); ++step) {
     behind_.push_back(kernel_of(outline, diameter_of(std::max(step, 1U))));
     before_.push_back(turned(behind_.back()));
   }
@@ -162,7 +147,7 @@ ApertureKernels::ApertureKernels(BlurShape shape, const Aperture& aperture,
 
 const ApertureKernel& ApertureKernels::of(double signed_diameter) const {
   const auto& kernels = signed_diameter < 0 ? before_ : behind_;
-  return kernels[std::min<std::size_t>(step_of(std::min(std::abs(signed_diameter), kLargest)),
+  return kernels[std::min<std::size_t>(kernel_step(std::min(std::abs(signed_diameter), kLargest)),
                                        kernels.size() - 1)];
 }
 

@@ -1,9 +1,12 @@
 /// The blur of one point as rows of pixels.
 #pragma once
 
+#include <bit>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
+#include "relumbre/base/host_device.h"
 #include "relumbre/dof/outline.h"
 
 namespace relumbre {
@@ -32,6 +35,26 @@ struct ApertureKernel {
   [[nodiscard]] int bottom() const { return top + static_cast<int>(rows.size()); }
 };
 
+namespace kernel_steps {
+// A pixel's own share of its light falls by half from a blur of 1 to one of 1.6 pixels: steps
+// there must be fine, or rings of neighbouring steps show.
+inline constexpr double kStepsPerPixel = 64, kEvenUpTo = 4;
+inline constexpr int kDroppedBits =
+    15;  // of a float's mantissa of 23: 256 steps an octave are left
+
+/// Where steps cease to be even, as the number that is left of a float's bits.
+inline constexpr std::uint32_t kEven = std::bit_cast<std::uint32_t>(4.0F) >> kDroppedBits;
+inline constexpr std::uint32_t kEvenSteps = 256;
+}  // namespace kernel_steps
+
+/// Which of the diameters that have kernels is the nearest; see ApertureKernels.
+RELUMBRE_HOST_DEVICE inline std::uint32_t kernel_step(double diameter) {
+  using namespace kernel_steps;
+  if (diameter <= kEvenUpTo) return static_cast<std::uint32_t>(kStepsPerPixel * diameter + 0.5);
+  const auto bits = std::bit_cast<std::uint32_t>(static_cast<float>(diameter));
+  return kEvenSteps + ((bits + (1U << (kDroppedBits - 1))) >> kDroppedBits) - kEven;
+}
+
 /// Kernels of all diameters up to a largest: in steps of 1/64 pixel up to 4 pixels, of 256
 /// an octave beyond.
 class ApertureKernels {
@@ -42,6 +65,11 @@ class ApertureKernels {
 
   /// Behind the plane in focus (`signed_diameter` > 0), or before it: turned by half a turn.
   [[nodiscard]] const ApertureKernel& of(double signed_diameter) const;
+
+  /// All of one sign, ascending: of() takes the one at kernel_step(), or the last.
+  [[nodiscard]] const std::vector<ApertureKernel>& all(bool before) const {
+    return before ? before_ : behind_;
+  }
 
   static constexpr double kLargest = 2048;
 

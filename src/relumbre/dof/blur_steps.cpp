@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "relumbre/base/error.h"
-#include "relumbre/dof/box_blur.h"
 
 namespace relumbre {
 

@@ -1,9 +1,13 @@
 /// The blurs that a picture in layers has, and how fragments are shared out among them.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <span>
 #include <vector>
+
+#include "relumbre/base/host_device.h"
 
 namespace relumbre {
 
@@ -18,9 +22,14 @@ std::vector<float> blur_steps(float least, float largest, std::size_t steps);
 /// smaller than a pixel.
 float box_radius_of(float signed_diameter);
 
+/// Radius of the square 2r + 1 pixels wide whose side is a circle of confusion's diameter.
+RELUMBRE_HOST_DEVICE inline float box_radius(float signed_diameter) {
+  return std::max((std::abs(signed_diameter) - 1) / 2, 0.0F);
+}
+
 /// How much of what has this circle of confusion belongs to the farther of two steps; the nearer
 /// has the rest. The shares of all steps add up to 1.
-inline float share_of_next(float coc, float step, float next) {
+RELUMBRE_HOST_DEVICE inline float share_of_next(float coc, float step, float next) {
   return (coc - step) / (next - step);
 }
 

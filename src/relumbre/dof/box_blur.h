@@ -1,8 +1,6 @@
 /// Internal: boxes of premultiplied colours.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
 #include <span>
 #include <vector>
 
@@ -18,11 +16,6 @@ inline std::span<float> flat(std::vector<Rgba>& colors) {
 }
 inline std::span<const float> flat(const std::vector<Rgba>& colors) {
   return {&colors.front().r, 4 * colors.size()};
-}
-
-/// Of the square 2r + 1 pixels wide whose side is a circle of confusion's diameter.
-inline float box_radius(float signed_diameter) {
-  return std::max((std::abs(signed_diameter) - 1) / 2, 0.0F);
 }
 
 /// In doubles: pictures with lamps in them have a range that no fixed point holds.

@@ -11,23 +11,6 @@ namespace relumbre {
 
 namespace {
 
-/// Equal steps from the least to the largest circle of confusion.
-class LayerOf {
- public:
-  LayerOf(std::span<const Fragment> fragments, std::size_t layers) : last_(layers - 1) {
-    const auto [least, largest] = std::ranges::minmax(fragments, {}, &Fragment::coc);
-    first_ = least.coc;
-    if (largest.coc > first_) scale_ = static_cast<float>(layers) / (largest.coc - first_);
-  }
-  [[nodiscard]] std::size_t operator()(float coc) const {
-    return std::min(static_cast<std::size_t>((coc - first_) * scale_), last_);
-  }
-
- private:
-  float first_ = 0, scale_ = 0;
-  std::size_t last_;
-};
-
 /// Between which two of ascending bounds.
 class LayerBetween {
  public:
@@ -74,7 +57,8 @@ DepthLayers sort_by(const LayerOfCoc& layer_of, std::span<const Fragment> fragme
 DepthLayers sort_into_layers(std::span<const Fragment> fragments, std::size_t height,
                              std::size_t layers) {
   if (layers == 0) throw ValueError("layers: 0 asked, at least 1 is needed");
-  return sort_by(LayerOf(fragments, layers), fragments, height, layers);
+  const auto [least, largest] = std::ranges::minmax(fragments, {}, &Fragment::coc);
+  return sort_by(LayerOf(least.coc, largest.coc, layers), fragments, height, layers);
 }
 
 DepthLayers sort_between(std::span<const Fragment> fragments, std::size_t height,

@@ -1,14 +1,32 @@
 /// Fragments sorted into layers by how far they are out of focus.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "relumbre/base/host_device.h"
 #include "relumbre/dof/fragments.h"
 
 namespace relumbre {
+
+/// Which of equal steps from the least to the largest circle of confusion one belongs to.
+class LayerOf {
+ public:
+  RELUMBRE_HOST_DEVICE LayerOf(float least, float largest, std::size_t layers)
+      : first_(least), last_(layers - 1) {
+    if (largest > first_) scale_ = static_cast<float>(layers) / (largest - first_);
+  }
+  [[nodiscard]] RELUMBRE_HOST_DEVICE std::size_t operator()(float coc) const {
+    return std::min(static_cast<std::size_t>((coc - first_) * scale_), last_);
+  }
+
+ private:
+  float first_, scale_ = 0;
+  std::size_t last_;
+};
 
 /// Fragments front to back: layer by layer, in a layer row by row. Layers are steps of the circle
 /// of confusion, which grows with depth, so that what is in one layer has about one blur.

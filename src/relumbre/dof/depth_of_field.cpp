@@ -1,22 +1,9 @@
 #include "relumbre/dof/depth_of_field.h"
 
-#include "relumbre/dof/focus.h"
 #include "relumbre/dof/gather.h"
 #include "relumbre/dof/infill.h"
 
 namespace relumbre {
-
-namespace {
-
-DepthPicture filled(const DepthPicture& picture, const DofConfig& config) {
-  DepthPicture result = picture;
-  result.behind =
-      fill_behind(picture, circles_of_confusion(picture.front.depth, config.lens, picture.width,
-                                                config.spread.largest_diameter));
-  return result;
-}
-
-}  // namespace
 
 std::vector<Rgba> depth_of_field(const DepthPicture& picture, const DofConfig& config,
                                  Progress& progress) {
@@ -27,7 +14,8 @@ std::vector<Rgba> depth_of_field(const DepthPicture& picture, const DofConfig& c
   if (config.infill && !picture.has_behind()) {
     DofConfig as_it_is = config;
     as_it_is.infill = false;
-    return depth_of_field(filled(picture, config), as_it_is, progress);
+    return depth_of_field(infilled(picture, config.lens, config.spread.largest_diameter), as_it_is,
+                          progress);
   }
   if (config.method == DofMethod::kLayered) {
     return layered(picture, config.lens, {config.layered_steps, config.spread.largest_diameter},

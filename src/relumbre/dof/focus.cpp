@@ -8,6 +8,7 @@
 
 #include "relumbre/base/error.h"
 #include "relumbre/base/parallel.h"
+#include "relumbre/dof/circle_of_depth.h"
 
 namespace relumbre {
 
@@ -45,11 +46,8 @@ std::vector<float> circles_of_confusion(std::span<const float> depth, const Thin
   lens.check();
   if (!(largest >= 0)) throw ValueError(fmt::format("largest blur: {} pixels", largest));
   std::vector<float> circles(depth.size());
-  parallel_for(0, depth.size(), kGrain, [&](std::size_t i) {
-    if (depth[i] == 0) return;  // not known
-    const double coc = lens.signed_coc_diameter_pixels(static_cast<double>(depth[i]), width);
-    circles[i] = static_cast<float>(std::clamp(coc, -largest, largest));
-  });
+  const CircleOfDepth circle(lens, width, largest);
+  parallel_for(0, depth.size(), kGrain, [&](std::size_t i) { circles[i] = circle(depth[i]); });
   return circles;
 }
 

@@ -1,22 +1,13 @@
 /// What a picture with depth is made of: pieces of surfaces, each with one blur.
 #pragma once
 
-#include <cstdint>
 #include <span>
 #include <vector>
 
 #include "relumbre/dof/depth_picture.h"
+#include "relumbre/dof/fragment.h"
 
 namespace relumbre {
-
-/// A pixel's worth of a surface, or a share of it.
-struct Fragment {
-  std::uint32_t x = 0, y = 0;
-  float coc = 0;       ///< signed diameter of its circle of confusion, pixels
-  Vec2f slope;         ///< by which that grows from pixel to pixel, to the right and downwards
-  float coverage = 1;  ///< of the pixel
-  Rgba color;          ///< multiplied by the coverage
-};
 
 /// One fragment for every pixel of the front, row by row, with these exceptions:
 /// - A pixel on a silhouette is a mixture of what lies on either side, of which its depth tells

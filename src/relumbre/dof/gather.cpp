@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "relumbre/dof/blur_steps.h"
 #include "relumbre/dof/box_blur.h"
 #include "relumbre/dof/focus.h"
 

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "relumbre/base/parallel.h"
+#include "relumbre/dof/focus.h"
 #include "relumbre/dof/surface_edges.h"
 
 namespace relumbre {
@@ -152,6 +153,13 @@ PictureLayer fill_behind(const DepthPicture& picture, std::span<const float> cir
     }
   });
   return layer;
+}
+
+DepthPicture infilled(const DepthPicture& picture, const ThinLens& lens, double largest_diameter) {
+  DepthPicture result = picture;
+  result.behind = fill_behind(
+      picture, circles_of_confusion(picture.front.depth, lens, picture.width, largest_diameter));
+  return result;
 }
 
 }  // namespace relumbre

@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "relumbre/dof/fragments.h"
+#include "relumbre/base/host_device.h"
+#include "relumbre/dof/fragment.h"
 
 namespace relumbre {
 
@@ -59,7 +60,7 @@ struct Tilt {
 /// which is the Jacobian of the lens point 2 (x − p) / c(p) that looks from x at p; without it,
 /// the blurs on a floor would not add up to 1.
 /// `reach`: columns and rows to either side that the blur touches.
-inline Tilt tilt_of(const Fragment& fragment, double reach) {
+RELUMBRE_HOST_DEVICE inline Tilt tilt_of(const Fragment& fragment, double reach) {
   constexpr double kLargest = 0.9;  // beyond, the surface is seen edge-on
   const double c = static_cast<double>(fragment.coc);
   if (std::abs(c) < 1) return {};
@@ -75,7 +76,8 @@ inline Tilt tilt_of(const Fragment& fragment, double reach) {
 struct Repeats {
   int first, last;
 };
-inline Repeats repeats(std::uint32_t coordinate, int size, int before, int after) {
+RELUMBRE_HOST_DEVICE inline Repeats repeats(std::uint32_t coordinate, int size, int before,
+                                            int after) {
   const int at = static_cast<int>(coordinate);
   return {at == 0 ? -before : at, at == size - 1 ? at + after : at};
 }

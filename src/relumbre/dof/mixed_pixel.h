@@ -8,15 +8,9 @@
 
 #include "relumbre/dof/depth_picture.h"
 #include "relumbre/dof/surface_edges.h"
+#include "relumbre/dof/unmix.h"
 
 namespace relumbre {
-
-/// A pixel's colour as share · near + (1 − share) · far.
-struct MixedPixel {
-  float share = 1;  ///< of the nearer surface
-  float near_coc = 0, far_coc = 0;
-  Rgba near, far;
-};
 
 /// A picture with smooth edges has one depth for a pixel that shows two surfaces. Where the circle
 /// of confusion jumps, what unmixed pixels around show of the nearer and of the farther surface
@@ -31,6 +25,11 @@ class Unmixer {
 
   /// Nothing where there is no jump between the pixel and one beside it.
   [[nodiscard]] std::optional<MixedPixel> operator()(std::size_t x, std::size_t y) const;
+  /// What unmix() reads; as long as this lives.
+  [[nodiscard]] MixedPicture plain() const {
+    return {picture_.front.color.data(), front_.data(), mixed_.data(), picture_.width,
+            picture_.height};
+  }
 
  private:
   const DepthPicture& picture_;

@@ -26,8 +26,10 @@ struct RelightParts {
 /// other operand is split into two halves, which hold 22 bits. Within 1e-5 of the largest B of the
 /// same in float64 (kFloat16 rounds counts above 2048). Any n and k. One source runs as a graph:
 ///
-///   E ─► gather e = VᵀE ─► y = M e ─► split y ─► rows of U y, in parts ─► B
-///                                                 each part's B is copied while the next is made
+///   E ─► gather e = VᵀE ─► y = M e ─► split y ─► rows of U y ─► B
+///
+/// Where E is small, the kernels read it and write B in page-locked memory of the host; else E is
+/// copied, and B in parts, each while the next one is made.
 ///
 /// All on the device that is current in the constructor. One call at a time.
 class DeviceRelight final : public RelightOperator {

@@ -11,7 +11,7 @@ namespace fmt {
 template <class... Arguments>
 std::string format(std::string_view pattern, const Arguments&... arguments) {
   std::ostringstream text;
-  const auto up_to_field = [&] {
+  [[maybe_unused]] const auto up_to_field = [&] {
     const std::size_t open = pattern.find('{');
     text << pattern.substr(0, open);
     if (open == std::string_view::npos) return pattern = {}, void();

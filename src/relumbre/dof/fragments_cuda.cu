@@ -1,0 +1,234 @@
+#include <algorithm>
+#include <string>
+
+#include "relumbre/cuda/launch.cuh"
+#include "relumbre/dof/fragment.h"
+#include "relumbre/dof/fragments_cuda.cuh"
+#include "relumbre/dof/fragments_cuda.h"
+
+namespace relumbre::cuda {
+
+namespace {
+
+constexpr unsigned kThreads = 256;
+/// Of the one block that sweeps the picture for silhouettes.
+constexpr unsigned kSweepThreads = 1024;
+
+unsigned blocks_for(std::size_t count) {
+  return static_cast<unsigned>((count + kThreads - 1) / kThreads);
+}
+
+__device__ __forceinline__ std::size_t thread_index() {
+  return std::size_t{blockIdx.x} * kThreads + threadIdx.x;
+}
+
+__global__ void begin_summary(FragmentSummary* summary, std::uint32_t pixels) {
+  *summary = {.least = ~0U, .largest = 0, .brightest = 0, .count = pixels};
+}
+
+__global__ void find_circles(const float* depth, CircleOfDepth circle, std::size_t pixels,
+                             float* circles) {
+  const std::size_t i = thread_index();
+  if (i < pixels) circles[i] = circle(depth[i]);
+}
+
+__global__ void find_jumps(CirclePlane plane, std::uint8_t* jumps) {
+  const auto i = static_cast<std::ptrdiff_t>(thread_index());
+  if (i < plane.width * plane.height) jumps[i] = plane.jumps_at(i % plane.width, i / plane.width);
+}
+
+__global__ void find_mixed(EdgeMap edges, std::uint8_t* mixed) {
+  const auto i = static_cast<std::ptrdiff_t>(thread_index());
+  const CirclePlane& plane = edges.plane;
+  if (i < plane.width * plane.height)
+    mixed[i] = edges.beside_jump(i % plane.width, i / plane.width) ? 1 : 0;
+}
+
+__global__ void find_own_silhouettes(EdgeMap edges, Silhouette* silhouettes) {
+  const auto i = static_cast<std::ptrdiff_t>(thread_index());
+  const CirclePlane& plane = edges.plane;
+  if (i < plane.width * plane.height)
+    silhouettes[i] = own_silhouette(edges, i % plane.width, i / plane.width);
+}
+
+/// The sweeps of revealed() in the same order as far as it matters: a pixel waits for its neighbour
+/// to the left and for three above, so that pixels of equal x + 2 y go together. One block.
+__global__ void __launch_bounds__(kSweepThreads)
+    sweep_silhouettes(EdgeMap edges, Silhouette* silhouettes) {
+  const std::ptrdiff_t width = edges.plane.width, height = edges.plane.height;
+  const std::ptrdiff_t steps = width + 2 * (height - 1);
+  for (int step = 1; step >= -1; step -= 2) {
+    for (std::ptrdiff_t at = 0; at < steps; ++at) {
+      // Rows whose turn it is: 0 ≤ at − 2 row < width.
+      const std::ptrdiff_t first = at < width ? 0 : (at - width + 2) / 2;
+      const std::ptrdiff_t last = at / 2 < height - 1 ? at / 2 : height - 1;
+      for (std::ptrdiff_t row = first + threadIdx.x; row <= last; row += blockDim.x) {
+        const std::ptrdiff_t column = at - 2 * row;
+        sweep_silhouette(edges, silhouettes, step > 0 ? column : width - 1 - column,
+                         step > 0 ? row : height - 1 - row, step);
+      }
+      __syncthreads();
+    }
+  }
+}
+
+/// What lies behind; null where it is not known at all.
+struct Behind {
+  const Rgba* color;
+  const float* depth;
+  EdgeMap edges;
+  const Silhouette* silhouettes;
+};
+
+struct FragmentSink {
+  DeviceFragment* fragments;
+  FragmentSummary* summary;
+};
+
+__device__ float largest_channel(const Rgba& c) {
+  return std::max(std::max(std::abs(c.r), std::abs(c.g)), std::max(std::abs(c.b), std::abs(c.a)));
+}
+
+/// Of the fragments of one thread.
+struct Extremes {
+  std::uint32_t not_least = 0, largest = 0, brightest = 0;
+
+  __device__ void take(const Fragment& f) {
+    not_least = std::max(not_least, ~FragmentSummary::ordered(f.coc));
+    largest = std::max(largest, FragmentSummary::ordered(f.coc));
+    brightest = std::max(brightest, __float_as_uint(largest_channel(f.color)));
+  }
+  __device__ void tell(FragmentSummary* summary) const {
+    const std::uint32_t least = ~warp_largest(not_least), most = warp_largest(largest),
+                        light = warp_largest(brightest);
+    if (threadIdx.x % kWarp != 0) return;
+    lower_to(&summary->least, least);
+    raise_to(&summary->largest, most);
+    raise_to(&summary->brightest, light);
+  }
+};
+
+__device__ void write(const Fragment& f, DeviceFragment* to) {
+  *to = {f.color, f.coc, f.slope, f.coverage, f.x, f.y, 0};
+}
+
+__device__ Fragment behind_fragment(const Behind& behind, std::uint32_t x, std::uint32_t y,
+                                    std::size_t i) {
+  return {x, y, behind.edges.plane.circles[i], behind.edges.slope(x, y), 1, behind.color[i]};
+}
+
+__global__ void __launch_bounds__(kThreads)
+    find_fragments(MixedPicture picture, EdgeMap edges, Behind behind, FragmentSink sink) {
+  const std::size_t i = thread_index();
+  Extremes extremes;
+  const auto add = [&](const Fragment& f, std::size_t at) {
+    extremes.take(f);
+    write(f, sink.fragments + at);
+  };
+  if (i < picture.width * picture.height) {
+    const auto x = static_cast<std::uint32_t>(i % picture.width),
+               y = static_cast<std::uint32_t>(i / picture.width);
+    bool first = true;
+    front_fragments(picture, edges, x, y, [&](const Fragment& f) {
+      add(f, first ? i : atomicAdd(&sink.summary->count, 1U));
+      first = false;
+    });
+    if (behind.color != nullptr &&
+        is_revealed(behind.silhouettes[i], behind.depth[i], edges.plane.circles[i],
+                    behind.edges.plane.circles[i]))
+      add(behind_fragment(behind, x, y, i), atomicAdd(&sink.summary->count, 1U));
+  }
+  extremes.tell(sink.summary);
+}
+
+/// The depths that are known.
+void widen(const PictureLayer& layer, float& nearest, float& farthest) {
+  for (const float z : layer.depth) {
+    if (z <= 0) continue;
+    nearest = std::min(nearest, z), farthest = std::max(farthest, z);
+  }
+}
+
+}  // namespace
+
+DevicePicture::DevicePicture(std::size_t width, std::size_t height, bool behind)
+    : width_(width), height_(height), may_have_behind_(behind) {
+  const auto layer = [&] {
+    return Layer{DeviceArray<Rgba>(pixels()), DeviceArray<float>(pixels())};
+  };
+  front_ = layer();
+  if (behind) behind_ = layer();
+}
+
+std::size_t DevicePicture::bytes_of(std::size_t pixels, bool behind) {
+  return pixels * (sizeof(Rgba) + sizeof(float)) * (behind ? 2 : 1);
+}
+
+void DevicePicture::upload(const DepthPicture& picture, const Stream& stream) {
+  picture.check();
+  if (picture.width != width_ || picture.height != height_ ||
+      (picture.has_behind() && !may_have_behind_))
+    throw ShapeError("picture of " + std::to_string(picture.width) + " × " +
+                     std::to_string(picture.height) +
+                     (picture.has_behind() ? " with" : " without") +
+                     " what lies behind: the device has room for " + std::to_string(width_) +
+                     " × " + std::to_string(height_) + (may_have_behind_ ? " with" : " without"));
+  const auto copy = [&](const PictureLayer& from, const Layer& to) {
+    copy_to_device<Rgba>(from.color, to.color.data(), stream);
+    copy_to_device<float>(from.depth, to.depth.data(), stream);
+  };
+  has_behind_ = picture.has_behind();
+  opaque_ = picture.opaque();
+  nearest_ = farthest_ = picture.front.depth.front();
+  widen(picture.front, nearest_, farthest_);
+  widen(picture.behind, nearest_, farthest_);
+  copy(picture.front, front_);
+  if (has_behind_) copy(picture.behind, behind_);
+}
+
+DeviceFragments::DeviceFragments(std::size_t pixels, bool behind)
+    : fragments_(pixels * (behind ? 3 : 2)),
+      summary_(1),
+      front_circles_(pixels),
+      behind_circles_(behind ? pixels : 0),
+      front_jumps_(pixels),
+      behind_jumps_(behind ? pixels : 0),
+      mixed_(pixels),
+      silhouettes_(behind ? pixels : 0) {}
+
+std::size_t DeviceFragments::bytes_of(std::size_t pixels, bool behind) {
+  const std::size_t front = 2 * sizeof(DeviceFragment) + sizeof(float) + 2;
+  const std::size_t more = sizeof(DeviceFragment) + sizeof(float) + 1 + sizeof(Silhouette);
+  return pixels * (front + (behind ? more : 0)) + sizeof(FragmentSummary);
+}
+
+void DeviceFragments::find(const DevicePicture& picture, const CircleOfDepth& circle,
+                           const Stream& stream) {
+  const std::size_t pixels = picture.pixels();
+  const Grid each{.blocks = blocks_for(pixels), .threads = kThreads};
+  const auto edges_of = [&](const DevicePicture::Layer& layer, const DeviceArray<float>& circles,
+                            const DeviceArray<std::uint8_t>& jumps) {
+    const CirclePlane plane{circles.data(), static_cast<std::ptrdiff_t>(picture.width()),
+                            static_cast<std::ptrdiff_t>(picture.height())};
+    launch(find_circles, each, stream, layer.depth.data(), circle, pixels, circles.data());
+    launch(find_jumps, each, stream, plane, jumps.data());
+    return EdgeMap{plane, jumps.data()};
+  };
+  launch(begin_summary, {.blocks = 1, .threads = 1}, stream, summary_.data(), pixels);
+  const EdgeMap edges = edges_of(picture.front(), front_circles_, front_jumps_);
+  launch(find_mixed, each, stream, edges, mixed_.data());
+  Behind behind{};
+  if (picture.has_behind()) {
+    behind = {picture.behind().color.data(), picture.behind().depth.data(),
+              edges_of(picture.behind(), behind_circles_, behind_jumps_), silhouettes_.data()};
+    launch(find_own_silhouettes, each, stream, edges, silhouettes_.data());
+    launch(sweep_silhouettes, {.blocks = 1, .threads = kSweepThreads}, stream, edges,
+           silhouettes_.data());
+  }
+  const MixedPicture mixed{picture.front().color.data(), front_circles_.data(), mixed_.data(),
+                           picture.width(), picture.height()};
+  launch(find_fragments, each, stream, mixed, edges, behind,
+         FragmentSink{fragments_.data(), summary_.data()});
+}
+
+}  // namespace relumbre::cuda
