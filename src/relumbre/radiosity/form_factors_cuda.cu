@@ -28,6 +28,8 @@ using namespace form_factors_kernel;
 /// Batches in flight: one is prepared or handed over while two are on the device.
 constexpr std::size_t kSlots = 3;
 constexpr std::size_t kRowsPerBatch = std::size_t{1} << 16;
+/// Places of counts in a batch are 32-bit numbers.
+constexpr std::size_t kMostCounts = std::size_t{1} << 31;
 /// Rays of a tile, so that threads rarely wait for its last ones.
 constexpr std::uint32_t kRaysPerTile = 4096;
 /// Rows are counted in shared memory where a tile's fit in that. It is the level 1 cache too, which
@@ -37,7 +39,7 @@ constexpr std::size_t kSharedBytes = std::size_t{16} << 10;
 /// How the rows are cut up, and what that takes.
 struct Plan {
   RowLayout layout;
-  std::size_t rows_per_batch, counts_per_batch, facets_per_batch;
+  std::size_t slots, rows_per_batch, counts_per_batch, facets_per_batch;
   std::uint32_t rows_per_tile;
   unsigned blocks;
   bool in_shared_memory;
@@ -72,9 +74,11 @@ Plan make_plan(const Tessellation& tessellation, std::uint32_t rays, std::size_t
   Plan plan{};
   plan.layout = {static_cast<std::uint32_t>(columns)};
   const std::size_t rows = std::max<std::size_t>(1, tessellation.elements() - first_row);
-  const std::size_t row_counts = std::min<std::size_t>(rays, columns);
-  plan.rows_per_batch =
-      std::min(rows, std::clamp<std::size_t>(batch.counts / row_counts, 1, kRowsPerBatch));
+  const std::size_t row_counts = std::clamp<std::size_t>(columns, 1, rays);
+  plan.rows_per_batch = std::min(
+      rows,
+      std::clamp<std::size_t>(std::min(batch.counts, kMostCounts) / row_counts, 1, kRowsPerBatch));
+  plan.slots = std::min(kSlots, (rows + plan.rows_per_batch - 1) / plan.rows_per_batch);
   plan.counts_per_batch = plan.rows_per_batch * row_counts;
   plan.facets_per_batch = most_facets(tessellation, first_row, plan.rows_per_batch);
 
@@ -86,7 +90,7 @@ Plan make_plan(const Tessellation& tessellation, std::uint32_t rays, std::size_t
   }
   plan.blocks = static_cast<unsigned>(resident_blocks(trace_rows, kThreads, plan.shared_bytes()));
   // Rows counted in the device's memory may take half of it; fewer at a time are slower.
-  while (kSlots * plan.buffer_words() * sizeof(std::uint32_t) > free_bytes / 2) {
+  while (plan.slots * plan.buffer_words() * sizeof(std::uint32_t) > free_bytes / 2) {
     if (plan.rows_per_tile > 1) {
       plan.rows_per_tile /= 2;
     } else if (plan.blocks > 1) {
@@ -270,7 +274,7 @@ class RowTracer {
     const std::size_t free = current_device().free_bytes;
     plan_ = make_plan(tessellation, config.rays, columns_, first_row, batch,
                       free - std::min(free, bytes));
-    expect_free(bytes + kSlots * plan_.slot_bytes(), "form factors");
+    expect_free(bytes + plan_.slots * plan_.slot_bytes(), "form factors");
     shared_.emplace(bvh, locator, pattern);
   }
 

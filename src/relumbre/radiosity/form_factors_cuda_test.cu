@@ -171,7 +171,9 @@ TEST(FormFactorsCuda, BatchesOfAnySizeGiveTheSameRows) {
   const TriangleMesh mesh = open_room();
   const Tessellation tessellation = tessellated(mesh, 26, 53);
   const FormFactors whole = joined(traced(mesh, tessellation, config_of(20), Binning::kPatches));
-  for (const std::size_t counts : {1U, 100U, 333U}) {  // 1, 5 and 16 rows of up to 20 counts
+  // 1, 1, 5 and 16 rows of up to 20 counts, and all of them.
+  for (const std::size_t counts :
+       {std::size_t{0}, std::size_t{1}, std::size_t{100}, std::size_t{333}, ~std::size_t{0}}) {
     std::vector<Block> blocks;
     const auto sink = [&](std::size_t first, const SparseCounts& rows, const RayTally& tally) {
       blocks.push_back({first, rows, tally});
@@ -260,6 +262,7 @@ TEST(FormFactorsCuda, RefusesWhatTheCpuRefuses) {
   EXPECT_THROW(trace(config_of((1U << 26) + 1), 0), ValueError);
   EXPECT_THROW(trace(config_of(8, 0), 0), ValueError);
   EXPECT_THROW(trace(config_of(8), 54), ValueError);
+  EXPECT_TRUE(traced(mesh, Tessellation{}, config_of(8), Binning::kPatches).empty());
   for (Vec3f& p : tessellation.positions) p = {};
   EXPECT_THROW(trace(config_of(8), 0), ValueError);
 }
