@@ -42,15 +42,16 @@ RELUMBRE_HOST_DEVICE inline void sweep_silhouette(const EdgeMap& edges, Silhouet
                                                   std::ptrdiff_t x, std::ptrdiff_t y, int step) {
   constexpr float kSide = 1, kDiagonal = 1.3507F;
   const CirclePlane& plane = edges.plane;
+  Silhouette here = silhouettes[y * plane.width + x];
   const auto from = [&](int dx, int dy, float cost) {
     const std::ptrdiff_t u = x + dx, v = y + dy;
     if (!plane.inside(u, v) || edges.jump(x, y, dx, dy)) return;
-    const Silhouette& there = silhouettes[v * plane.width + u];
-    Silhouette& here = silhouettes[y * plane.width + x];
+    const Silhouette there = silhouettes[v * plane.width + u];
     if (there.distance + cost < here.distance) here = {there.distance + cost, there.beyond};
   };
   from(-step, 0, kSide), from(0, -step, kSide);
   from(-1, -step, kDiagonal), from(1, -step, kDiagonal);
+  silhouettes[y * plane.width + x] = here;
 }
 
 /// Whether a lens sees a pixel's hidden surface past the silhouette: `front` and `behind` are
