@@ -83,10 +83,13 @@ TEST(BvhScenes, HitsAreEmbreesOnAScan) {
     const Ray ray{from, 0, to - from};
     const Hit a = embree.closest(ray), b = own.closest(ray);
     ASSERT_TRUE(a && b);
-    EXPECT_NEAR(a.t, b.t, 1e-3F);  // triangles seen nearly edge-on
-    others += a.triangle == b.triangle ? 0 : 1;
+    if (a.triangle == b.triangle) {
+      EXPECT_NEAR(a.t, b.t, 1e-3F);  // triangles seen nearly edge-on
+    } else {
+      ++others;
+    }
   }
-  EXPECT_LE(others, 20U);  // at edges: 6 were measured
+  EXPECT_LE(others, 20U);  // 6 were measured: at edges, where Embree takes what lies 1e-5 outside
 }
 
 }  // namespace
