@@ -35,32 +35,31 @@ class SatChain {
   /// tiles are on their way, and more while the first diagonals are. Wide sums have registers for 2
   /// beside those of a tile.
   static constexpr unsigned kReach = sizeof(T) == 8 ? 2 : 4;
-  static constexpr unsigned kPauseNanoseconds = 40;
+  static constexpr unsigned kPauseNanoseconds = 100;
 
+  /// One word is polled at a time, for many threads wait here at once: the first that is not there,
+  /// or, if all are each tile's own, the farthest, which becomes a sum of all before the others do.
   __device__ T look_back() const {
     T sums[kReach] = {};
     std::uint32_t tags[kReach] = {};
     for (;;) {
+      bool all_own = true;
 #pragma unroll
-      for (unsigned d = 0; d < kReach; ++d) poll(d, sums[d], tags[d]);
-      unsigned nearest = kReach;
-#pragma unroll
-      for (unsigned d = kReach; d-- > 0;) {
-        if (tags[d] == tag_ + 1) nearest = d;
-        if (tags[d] == 0) nearest = kReach;  // nothing beyond it is of use
+      for (unsigned d = 0; d < kReach; ++d) {
+        if (!all_own) continue;
+        if (tags[d] == 0 || d == kReach - 1) poll(d, sums[d], tags[d]);
+        if (tags[d] == tag_ + 1) return forward(sums, d);
+        all_own = tags[d] == tag_;
       }
-      if (nearest < kReach) return forward(sums, nearest);
       __nanosleep(kPauseNanoseconds);
     }
   }
 
   __device__ void poll(unsigned d, T& sum, std::uint32_t& tag) const {
-    if (d >= before_) {
-      sum = T{}, tag = tag_ + 1;
-    } else if (tag != tag_ + 1) {
-      tag = load_tagged(words_ - (d + 1) * stride_, sum);
-      if (tag != tag_ + 1 && tag != tag_) tag = 0;
-    }
+    tag = tag_ + 1;
+    if (d >= before_) return;  // nothing comes before the first tile
+    tag = load_tagged(words_ - (d + 1) * stride_, sum);
+    if (tag != tag_ + 1 && tag != tag_) tag = 0;
   }
 
   __device__ static T forward(const T (&sums)[kReach], unsigned nearest) {

@@ -15,8 +15,8 @@
 ///
 /// How far one must look: at a rate of R tiles a second and a latency L from one block's store to
 /// the other's use, the last R·L tiles' folds are on their way. An H200 reads 2.4 TB/s while it
-/// writes as much, that is 73 tiles of 32 KB a µs, and L is about 1 µs. kReach = 3 groups, 65 to 96
-/// tiles, are looked at with one latency.
+/// writes as much, that is 73 tiles of 32 KB a µs, and L is about 1 µs. kReach = 4 groups, 97 to
+/// 128 tiles, are looked at with one latency.
 #pragma once
 
 #include "relumbre/cuda/tagged.cuh"
@@ -57,7 +57,7 @@ class LookBack {
   }
 
  private:
-  static constexpr unsigned kReach = 3;
+  static constexpr unsigned kReach = 4;
   static constexpr unsigned kPauseNanoseconds = 40;
 
   struct Awaited {
