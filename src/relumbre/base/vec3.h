@@ -108,7 +108,9 @@ struct Frame {
     t = {1.0F + sign * n.x * n.x * a, sign * c, -sign * n.x};
     b = {c, sign + n.y * n.y * a, -n.y};
   }
-  [[nodiscard]] RELUMBRE_HOST_DEVICE Vec3f to_world(const Vec3f& v) const { return t * v.x + b * v.y + n * v.z; }
+  [[nodiscard]] RELUMBRE_HOST_DEVICE Vec3f to_world(const Vec3f& v) const {
+    return t * v.x + b * v.y + n * v.z;
+  }
 };
 
 }  // namespace relumbre
