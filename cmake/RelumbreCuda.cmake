@@ -31,7 +31,7 @@ if(RELUMBRE_CUDA)
   target_compile_options(
     relumbre_cuda_options
     INTERFACE --expt-relaxed-constexpr --fmad=false -Xcudafe=--display_error_number
-              -Xcompiler=-Wall,-Wextra,-Wshadow,-Wno-missing-field-initializers,-Wno-missing-field-initializers
+              -Xcompiler=-Wall,-Wextra,-Wshadow,-Wno-missing-field-initializers
               "$<$<BOOL:${RELUMBRE_WERROR}>:-Werror=all-warnings;-Xcompiler=-Werror>")
 endif()
 

@@ -24,7 +24,7 @@ namespace relumbre::cuda {
 /// (1 + height / 32 + width / 32) · 2⁻²³ (2⁻⁵² in double) of the sum of absolute values.
 ///
 /// In: float, uint8, uint16, uint32. T: uint32, uint64, float, double. In one pass over memory; see
-/// sat_tiles_cuda.cuh. Besides, sizeof(T) / 2 bytes of scratch for each 16 to 32 values.
+/// sat_tiles_cuda.cuh. Besides, up to a tenth of the table's size of scratch.
 template <class In, class T>
 void build_sat_table(const In* pixels, const SatLayout& layout, const SatSummands<In>& summands,
                      T* table, unsigned long long* first_outside, ScanScratch& scratch,

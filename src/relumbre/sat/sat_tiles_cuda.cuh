@@ -13,12 +13,12 @@
 ///
 /// and hands on both. Both chains are looked back along (Merrill and Garland 2016), which keeps
 /// tiles from waiting in line through the whole image; that the sums themselves are handed on
-/// instead of the table's corners is the block-wise carry of Nehab et al. 2011 (§6), done in one
+/// instead of the table's corners is the block-wise carry of Nehab et al. 2011, done in one
 /// pass as in Emoto et al. 2018. Strips of columns, the CPU's way, would need as many strips as
 /// there are multiprocessors, and each would begin a µs after the one to its left.
 ///
 /// What a 4K image of RGBA floats costs besides its 64 KB a tile in and out: 2 · 256 numbers a
-/// tile, written twice and read 4 or 8 times, which never leave the second-level cache.
+/// tile, written twice and read a few times, which the second-level cache keeps.
 #pragma once
 
 #include <cstddef>
