@@ -335,6 +335,10 @@ TEST(DofCuda, BadInputIsRefusedAsTheCpuRefusesIt) {
     config.spread.layers = config.layered_steps = 0;
     EXPECT_THROW(cuda::depth_of_field(picture, config), ValueError);
   }
+  DofConfig too_blurred{.lens = lens_for(1e5, 8)};
+  too_blurred.method = DofMethod::kLayered;
+  too_blurred.spread.largest_diameter = 1e5;
+  EXPECT_THROW(cuda::depth_of_field(picture, too_blurred), ValueError);
   DofConfig two_blades = spreading(lens_for(4, 8), BlurShape::kAperture, 2);
   EXPECT_THROW(cuda::depth_of_field(picture, two_blades), ValueError);
   DepthPicture bad = picture;
