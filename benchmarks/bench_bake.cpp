@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,8 @@
 #include "relumbre/geometry/test_shapes.h"
 #include "relumbre/radiosity/element_sampler.h"
 #include "relumbre/radiosity/form_factors.h"
+#include "relumbre/radiosity/scalar_form_factors.h"
+#include "relumbre/visibility/bvh_tracer.h"
 #include "report.h"
 
 namespace relumbre::bench {
@@ -153,6 +156,16 @@ void compare(Report& report, const std::string& name, const TriangleMesh& mesh, 
     add(std::string(l.name) + ", high", high, rays, l.loop, true);
     add(std::string(l.name) + ", medium", medium, rays, l.loop, true);
   }
+  // What a GPU's benchmark has for a CPU: ours, which both sides share.
+  const BvhTracer own(mesh);
+  std::vector<std::uint32_t> elements(tessellation.elements());
+  std::iota(elements.begin(), elements.end(), 0U);
+  all.push_back({"our hierarchy, one ray after the other",
+                 [&] {
+                   scalar_form_factors(own, scene.epsilon(), tessellation, config,
+                                       Binning::kPatches, elements);
+                 },
+                 false});
   add("rtcIntersect1, high, unordered rays", high, unordered, one_by_one, false);
   add("rtcIntersect16, coherent, high, not watertight", fast, rays, by_sixteen, false);
 

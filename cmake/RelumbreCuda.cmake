@@ -1,4 +1,5 @@
-# The GPU side: relumbre_cuda_module(NAME [DEPENDS modules...] [HOST modules...] [LINK libraries...])
+# The GPU side: relumbre_cuda_module(NAME [DEPENDS modules...] [HOST modules...] [LINK libraries...]
+#                                    [FULL sources...])
 #
 # NAME/*.cu is built twice. With RELUMBRE_CUDA, by nvcc: the static library relumbre_NAME_cuda and
 # the test program NAME_cuda_test. With the tests, by the C++ compiler and the emulator of
@@ -6,6 +7,7 @@
 # machine tests them.
 #   DEPENDS  modules of which the GPU side is used
 #   HOST     CPU modules that the GPU side needs; NAME itself is one where there is such a module
+#   FULL     sources that need libraries which RELUMBRE_GPU_CHECK does without
 # Tests named *_cuda_full_test.cu also compare with CPU code that needs libraries (Highway, Embree):
 # they are left out where RELUMBRE_GPU_CHECK builds without those.
 if(RELUMBRE_CUDA)
@@ -29,7 +31,7 @@ if(RELUMBRE_CUDA)
   target_compile_options(
     relumbre_cuda_options
     INTERFACE --expt-relaxed-constexpr --fmad=false -Xcudafe=--display_error_number
-              -Xcompiler=-Wall,-Wextra,-Wshadow
+              -Xcompiler=-Wall,-Wextra,-Wshadow,-Wno-missing-field-initializers,-Wno-missing-field-initializers
               "$<$<BOOL:${RELUMBRE_WERROR}>:-Werror=all-warnings;-Xcompiler=-Werror>")
 endif()
 
@@ -55,13 +57,16 @@ function(relumbre_wrap_cuda result name)
 endfunction()
 
 function(relumbre_cuda_module name)
-  cmake_parse_arguments(ARG "" "" "DEPENDS;HOST;LINK" ${ARGN})
-  file(GLOB sources RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} CONFIGURE_DEPENDS ${name}/*.cu)
+  cmake_parse_arguments(ARG "" "" "DEPENDS;HOST;LINK;FULL" ${ARGN})
+  set(folder ${PROJECT_SOURCE_DIR}/src/relumbre)
+  file(GLOB sources RELATIVE ${folder} CONFIGURE_DEPENDS ${folder}/${name}/*.cu)
   set(tests ${sources})
   list(FILTER tests INCLUDE REGEX "_test\\.cu$")
   list(FILTER sources EXCLUDE REGEX "_test\\.cu$")
   if(RELUMBRE_GPU_CHECK)
     list(FILTER tests EXCLUDE REGEX "_full_test\\.cu$")
+    list(TRANSFORM ARG_FULL PREPEND ${name}/)
+    list(REMOVE_ITEM sources ${ARG_FULL} "")
   endif()
   set(kind STATIC)
   set(inherit PUBLIC)
@@ -75,10 +80,14 @@ function(relumbre_cuda_module name)
   endif()
 
   if(RELUMBRE_CUDA)
+    set(cuda_sources ${sources})
+    list(TRANSFORM cuda_sources PREPEND ${folder}/)
+    set(cuda_tests ${tests})
+    list(TRANSFORM cuda_tests PREPEND ${folder}/)
     set(depends ${ARG_DEPENDS})
     list(TRANSFORM depends PREPEND relumbre_)
     list(TRANSFORM depends APPEND _cuda)
-    add_library(relumbre_${name}_cuda ${kind} ${sources})
+    add_library(relumbre_${name}_cuda ${kind} ${cuda_sources})
     add_library(relumbre::${name}_cuda ALIAS relumbre_${name}_cuda)
     set_target_properties(relumbre_${name}_cuda PROPERTIES EXPORT_NAME ${name}_cuda)
     target_link_libraries(relumbre_${name}_cuda ${inherit} ${depends} ${ARG_HOST} CUDA::cudart_static ${ARG_LINK})
@@ -89,10 +98,15 @@ function(relumbre_cuda_module name)
                                                                 $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
     set_property(GLOBAL APPEND PROPERTY RELUMBRE_CUDA_MODULES ${name}_cuda)
     if(RELUMBRE_BUILD_TESTS AND tests)
-      add_executable(${name}_cuda_test ${tests})
+      add_executable(${name}_cuda_test ${cuda_tests})
       target_link_libraries(${name}_cuda_test PRIVATE relumbre_${name}_cuda relumbre_cuda_options GTest::gtest_main)
-      gtest_discover_tests(${name}_cuda_test TEST_PREFIX ${name}_cuda. DISCOVERY_TIMEOUT 60
-                           PROPERTIES LABELS "cuda" TIMEOUT 600)
+      set_property(GLOBAL APPEND PROPERTY RELUMBRE_CUDA_TESTS ${name}_cuda_test)
+      if(RELUMBRE_GPU_CHECK)
+        add_test(NAME ${name}_cuda COMMAND ${name}_cuda_test)
+      else()
+        gtest_discover_tests(${name}_cuda_test TEST_PREFIX ${name}_cuda. DISCOVERY_TIMEOUT 60
+                             PROPERTIES LABELS "cuda" TIMEOUT 600)
+      endif()
     endif()
   endif()
 

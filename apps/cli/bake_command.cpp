@@ -1,4 +1,5 @@
 #include "cli/energy.h"
+#include "cli/processor.h"
 #include "cli/scene_input.h"
 #include "relumbre/base/atomic_file.h"
 #include "relumbre/base/error.h"
@@ -12,7 +13,7 @@ struct Options {
   SceneOptions scene;
   BakeConfig bake;
   std::string method = "cluster";
-  std::string output;
+  std::string output, device;
 };
 
 void report_estimate(const BakeEstimate& estimate, Session& session) {
@@ -58,6 +59,7 @@ void run(const Options& options, Session& session) {
   BakeConfig config = options.bake;
   config.method = options.method == "hierarchy" ? PatchMethod::kHierarchy : PatchMethod::kCluster;
   config.scene_name = options.scene.file;
+  config.tracer = make_processor(options.device, session)->form_factor_tracer();
   const AtomicFile writable(options.output);  // an unwritable folder is found out before the work
   const Scene scene = import_and_report(options.scene, session);
   report_estimate(estimate_bake(scene, config), session);
@@ -90,6 +92,7 @@ void add_bake_command(CLI::App& app) {
                         "cluster: any k ≤ n; hierarchy: the paper's 4-way cuts")
             ->check(CLI::IsMember({"cluster", "hierarchy"}))
             ->capture_default_str();
+        add_device_option(command, o.device);
         command.add_flag("--resume", o.bake.resume, "Go on with an interrupted bake");
       },
       run);

@@ -3,8 +3,8 @@
 #include <numbers>
 #include <optional>
 
-#include "cli/command.h"
 #include "cli/picture_options.h"
+#include "cli/processor.h"
 #include "relumbre/base/error.h"
 #include "relumbre/dof/depth_of_field.h"
 #include "relumbre/dof/focus.h"
@@ -15,7 +15,7 @@ namespace relumbre::cli {
 namespace {
 
 struct Options {
-  std::string input, overlay, method = "spread", shape = "disc";
+  std::string input, overlay, method = "spread", shape = "disc", device;
   PictureOptions picture;
   std::optional<double> focus_distance, vertical_fov;
   std::vector<std::size_t> focus_pixel;  // empty, or x and y
@@ -117,10 +117,11 @@ void save(const Options& options, const DepthPicture& picture, const std::vector
 void run(const Options& options, Session& session) {
   const ToneConfig tone = parse_tone(options.picture);
   check(options);
+  const auto processor = make_processor(options.device, session);
   const DepthPicture picture = load(options);
   const DofConfig config = dof_config(options, picture);
   const Stopwatch watch;
-  const std::vector<Rgba> result = depth_of_field(picture, config, session.progress);
+  const std::vector<Rgba> result = processor->depth_of_field(picture, config, session.progress);
   session.progress.clear();
   report(picture, config, watch.seconds(), session);
   save(options, picture, result, config, tone, session);
@@ -183,6 +184,7 @@ void define(CLI::App& command, Options& o) {
   define_lens(command, o);
   define_blur(command, o);
   add_picture_options(command, o.picture);
+  add_device_option(command, o.device);
   command.add_option("--overlay", o.overlay,
                      "Also write what is in focus: red before it, blue behind it");
 }

@@ -12,7 +12,7 @@ namespace {
 struct Options {
   StoreOptions store;
   ReferenceOptions reference;
-  bool error = false;
+  bool error = false, devices = false;
 };
 
 void describe_scene(const std::string& file, Session& session) {
@@ -66,6 +66,11 @@ void describe_octree(const std::string& file, Session& session) {
 }
 
 void run(const Options& options, Session& session) {
+  if (options.devices) report_devices(session);
+  if (options.store.store.empty()) {
+    if (options.devices) return;
+    throw CLI::RequiredError("store");
+  }
   if (std::filesystem::path(options.store.store).extension() == ".rlo")
     return describe_octree(options.store.store, session);
   if (can_import(options.store.store)) return describe_scene(options.store.store, session);
@@ -81,9 +86,10 @@ void add_info_command(CLI::App& app) {
       "relumbre info cornell.h5 --error",
       [](CLI::App& command, Options& o) {
         add_store_options(command, o.store);
-        command.get_option("store")->description(
+        command.get_option("store")->required(false)->description(
             "A store, an octree (.rlo), or a scene: .gltf, .glb, .obj, .ply, .stl");
         add_reference_options(command, o.reference);
+        command.add_flag("--devices", o.devices, "List what --device may name");
         command.add_flag("--error", o.error,
                          "Solve element to element and compare (traces rays; takes a while)");
       },

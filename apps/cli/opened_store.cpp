@@ -90,7 +90,10 @@ void add_store_options(CLI::App& command, StoreOptions& o, const std::string& na
 }
 
 OpenedStore::OpenedStore(const StoreOptions& options, Session& session)
-    : baked(open_store(options, session)), rays(baked.scene.mesh), options_(options) {
+    : processor(make_processor(options.device, session)),
+      baked(open_store(options, session)),
+      rays(processor->ray_scene(baked.scene.mesh)),
+      options_(options) {
   if (has_emission()) return;
   std::vector<Light> extra;
   if (!options.lights.empty()) extra = read_lights(options.lights, baked.scene);
@@ -118,7 +121,7 @@ std::vector<LightResponse> OpenedStore::responses(Session& session) const {
 std::unique_ptr<RelightOperator> OpenedStore::make_operator(Session& session) const {
   const Stopwatch watch;
   const std::vector<float> weights = seen_area(baked.counts, baked.tessellation.area);
-  auto made = make_compressed_operator(
+  auto made = processor->relight_operator(
       {baked.counts, baked.tessellation.patch_offsets, weights, baked.reflectance},
       kFormats.at(options_.format));
   session.report.figure("operator_s", "operator made in", watch.seconds(),

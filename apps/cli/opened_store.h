@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "cli/command.h"
+#include "cli/processor.h"
 #include "relumbre/base/npy.h"
 #include "relumbre/radiosity/relight_operator.h"
 #include "relumbre/render/relight.h"
@@ -23,6 +24,7 @@ struct StoreOptions {
   DirectLightConfig direct;
   std::string format = "counts8";
   std::vector<std::string> reflectance;  ///< "material=r,g,b"
+  std::string device = "cpu";            ///< who traces rays and relights
 };
 
 /// Binds the store argument and the options above. With a `name` of "--store", the store is an
@@ -34,6 +36,7 @@ class OpenedStore {
  public:
   OpenedStore(const StoreOptions& options, Session& session);
 
+  std::unique_ptr<Processor> processor;
   BakedScene baked;
   RayScene rays;
   std::vector<Light> lights;  ///< empty where emission is given

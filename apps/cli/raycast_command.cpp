@@ -1,4 +1,5 @@
 #include "cli/octree_report.h"
+#include "cli/processor.h"
 #include "cli/traversal_options.h"
 #include "cli/view_options.h"
 #include "relumbre/base/error.h"
@@ -13,7 +14,7 @@ struct Options {
   std::string octree;
   ViewOptions picture;
   VoxelViewConfig view;
-  std::string shading = "auto", show = "picture";
+  std::string shading = "auto", show = "picture", device;
   TraversalOptions traversal;
   const CLI::App* command = nullptr;
 
@@ -47,6 +48,12 @@ void check_heat_map(const Options& options) {
   for (const char* name : {"--samples", "--shading", "--smooth", "--detail"})
     if (options.is_given(name))
       throw CLI::ValidationError(name, "is of pictures, not of --show " + options.show);
+}
+
+/// The thesis's traversals, which heat maps are of, are the CPU's.
+void check_device(const Options& options) {
+  if (options.device == "cpu" || (options.show == "picture" && !options.view.traversal)) return;
+  throw CLI::ValidationError("--device", "only casts pictures by the fast traversal on a GPU");
 }
 
 /// None: the fast one, which has no heat maps.
@@ -84,11 +91,14 @@ void run(Options options, Session& session) {
   check_heat_map(options);
   check_traversal_options(*options.command, options.traversal);
   options.view.traversal = traversal_of(options);
+  check_device(options);
   check_pictures(options.picture, "raycast");
+  const auto processor = make_processor(options.device, session);
   const RloFile file = read_rlo(options.octree);
   options.view.shading = shading_of(options.shading, file.tree);
   const ToneConfig tone = tone_of(options, options.view);
 
+  options.view.caster = processor->tree_caster(file.tree);
   const Stopwatch watch;
   const Image image = make_picture(options, options.view, file.tree, session);
   session.progress.clear();
@@ -105,6 +115,7 @@ void define(CLI::App& command, Options& o) {
   o.command = &command;
   command.add_option("octree", o.octree, "An octree written by `relumbre voxelize` (.rlo)")
       ->required();
+  add_device_option(command, o.device);
   add_view_options(command, o.picture, "auto (all of the cube), or cam.json");
   command.add_option("--samples", o.view.samples, "Rays per pixel")->capture_default_str();
   command

@@ -92,6 +92,7 @@ void add_relight_command(CLI::App& app) {
       "relumbre relight room.h5 --lights evening.json -o evening.glb",
       [](CLI::App& command, Options& o) {
         add_store_options(command, o.store);
+        add_device_option(command, o.store.device);
         command
             .add_option("-o,--output", o.output, "B.npy, or a mesh with vertex colours: .ply, .glb")
             ->required();

@@ -124,6 +124,7 @@ void run(Options options, Session& session) {
 
 void define(CLI::App& command, Options& o) {
   add_store_options(command, o.store);
+  add_device_option(command, o.store.device);
   add_view_options(command, o.picture, "auto, a camera of the scene by name, or cam.json");
   command
       .add_option("--mode", o.mode,

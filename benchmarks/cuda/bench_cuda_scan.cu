@@ -1,14 +1,16 @@
-// Scans of 2^28 elements and fewer: ours, cub::DeviceScan's, and a copy on the device of as many
-// bytes. Inputs are random and positive; all outputs are compared with each other before any time
-// is taken.
+// Scans of 2^28 elements and fewer: ours, cub::DeviceScan's (told sizes as ints, its fastest way),
+// and a copy on the device of as many bytes. Inputs are random and positive; all outputs are
+// compared with each other before any time is taken.
 #include <cstdint>
 #include <random>
 #include <type_traits>
 
 #include <cub/device/device_scan.cuh>
+#include <cuda/std/functional>
 
 #include "bench.cuh"
 #include "relumbre/scan/scan_cuda.cuh"
+#include "relumbre/scan/segmented_cuda.cuh"
 
 namespace relumbre::bench {
 namespace {
@@ -84,8 +86,8 @@ Row inclusive(const char* name, std::size_t size, const M& m, const Stream& stre
   DeviceArray<Out> our_out(size), cub_out(size);
   cuda::ScanScratch scratch;
   const auto call = [&](void* memory, std::size_t& bytes) {
-    return cub::DeviceScan::InclusiveScan(memory, bytes, in.data(), cub_out.data(), m, size,
-                                          stream.get());
+    return cub::DeviceScan::InclusiveScan(memory, bytes, in.data(), cub_out.data(), m,
+                                          static_cast<int>(size), stream.get());
   };
   const CubMemory cub_memory(call);
   const Work ours = [&](const Stream& s) {
@@ -102,7 +104,7 @@ Row exclusive(const char* name, std::size_t size, const M& m, const Stream& stre
   cuda::ScanScratch scratch;
   const auto call = [&](void* memory, std::size_t& bytes) {
     return cub::DeviceScan::ExclusiveScan(memory, bytes, in.data(), cub_out.data(), m, m.identity(),
-                                          size, stream.get());
+                                          static_cast<int>(size), stream.get());
   };
   const CubMemory cub_memory(call);
   const Work ours = [&](const Stream& s) {
@@ -110,6 +112,33 @@ Row exclusive(const char* name, std::size_t size, const M& m, const Stream& stre
   };
   const Work cubs = [&](const Stream&) { cub_memory.run(call); };
   return compare<In>(name, size, ours, cubs, our_out, cub_out, stream);
+}
+
+/// Keys of which about one in 100 differs from the one before it.
+Row by_key(const char* name, std::size_t size, const Stream& stream) {
+  const auto in = random_input<float>(size, stream);
+  std::vector<std::uint32_t> values(size);
+  std::mt19937 random(2);
+  std::uint32_t key = 0;
+  for (auto& v : values) v = key += random() % 100 == 0 ? 1 : 0;
+  const auto keys = cuda::to_device(std::span<const std::uint32_t>(values), stream);
+  DeviceArray<float> our_out(size), cub_out(size);
+  cuda::ScanScratch scratch;
+  const auto call = [&](void* memory, std::size_t& bytes) {
+    return cub::DeviceScan::InclusiveScanByKey(
+        memory, bytes, keys.data(), in.data(), cub_out.data(), Plus<float>{},
+        static_cast<int>(size), ::cuda::std::equal_to<>{}, stream.get());
+  };
+  const CubMemory cub_memory(call);
+  const Work ours = [&](const Stream& s) {
+    cuda::scan_by_key(keys.data(), in.data(), size, our_out.data(), scratch, s);
+  };
+  const Work cubs = [&](const Stream&) { cub_memory.run(call); };
+  struct KeyAndValue {
+    std::uint32_t key;
+    float value;
+  };
+  return compare<KeyAndValue>(name, size, ours, cubs, our_out, cub_out, stream);
 }
 
 void run() {
@@ -126,6 +155,7 @@ void run() {
   inclusive<double, double>("float64, sum, 2^27", kLargest / 2, Plus<double>{}, stream);
   inclusive<float, float>("float32, sum, 2^24", kLargest >> 4, Plus<float>{}, stream);
   inclusive<float, float>("float32, sum, 2^20", kLargest >> 8, Plus<float>{}, stream);
+  by_key("float32, sum by key, 2^27", kLargest / 2, stream);
   print_figure("scan_float32_against_cub", row.speed_of_peer(), 0.95, "x");
   print_figure("scan_float32_against_copy", row.fraction_of_limit(), 0.90, "x");
 }

@@ -8,6 +8,8 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "relumbre/base/host_device.h"
+
 namespace relumbre {
 
 template <class T>
@@ -64,12 +66,12 @@ constexpr Vec3<T> cross(const Vec3<T>& a, const Vec3<T>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 template <class T>
-T length(const Vec3<T>& a) {
+RELUMBRE_HOST_DEVICE T length(const Vec3<T>& a) {
   return std::sqrt(dot(a, a));
 }
 /// a / |a|, or a itself where it has no length.
 template <class T>
-Vec3<T> normalized(const Vec3<T>& a) {
+RELUMBRE_HOST_DEVICE Vec3<T> normalized(const Vec3<T>& a) {
   const T l = length(a);
   return l > T{} ? a / l : a;
 }
@@ -86,7 +88,7 @@ constexpr T max_component(const Vec3<T>& a) {
   return std::max(a.x, std::max(a.y, a.z));
 }
 template <class T>
-bool is_finite(const Vec3<T>& a) {
+RELUMBRE_HOST_DEVICE bool is_finite(const Vec3<T>& a) {
   return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
 }
 /// Rec. 709 luminance of a linear RGB triple.
@@ -99,14 +101,14 @@ constexpr T luminance(const Vec3<T>& c) {
 /// Source: Duff et al. 2017, "Building an Orthonormal Basis, Revisited".
 struct Frame {
   Vec3f t, b, n;
-  explicit Frame(const Vec3f& normal) : n(normal) {
+  RELUMBRE_HOST_DEVICE explicit Frame(const Vec3f& normal) : n(normal) {
     const float sign = std::copysign(1.0F, n.z);
     const float a = -1.0F / (sign + n.z);
     const float c = n.x * n.y * a;
     t = {1.0F + sign * n.x * n.x * a, sign * c, -sign * n.x};
     b = {c, sign + n.y * n.y * a, -n.y};
   }
-  [[nodiscard]] Vec3f to_world(const Vec3f& v) const { return t * v.x + b * v.y + n * v.z; }
+  [[nodiscard]] RELUMBRE_HOST_DEVICE Vec3f to_world(const Vec3f& v) const { return t * v.x + b * v.y + n * v.z; }
 };
 
 }  // namespace relumbre

@@ -7,6 +7,8 @@
 
 #include <cuda_runtime.h>
 
+#include "relumbre/base/host_device.h"
+
 namespace relumbre::cuda {
 
 /// The widest access that a thread can make.
@@ -36,7 +38,7 @@ inline constexpr unsigned kPackOf =
         : 1;
 
 template <unsigned kCount, class T>
-[[nodiscard]] bool is_aligned(const T* at) {
+[[nodiscard]] RELUMBRE_HOST_DEVICE bool is_aligned(const T* at) {
   return reinterpret_cast<std::uintptr_t>(at) % alignof(Pack<T, kCount>) == 0;
 }
 

@@ -30,6 +30,7 @@
 #include <limits>
 #include <optional>
 
+#include "relumbre/base/host_device.h"
 #include "relumbre/base/vec3.h"
 #include "relumbre/octree/morton.h"
 
@@ -38,30 +39,33 @@ namespace relumbre {
 /// Of a ray in a cell.
 struct RayInterval {
   double enter = 0, exit = 0;
-  [[nodiscard]] bool is_pierced() const { return enter < exit; }
+  [[nodiscard]] RELUMBRE_HOST_DEVICE bool is_pierced() const { return enter < exit; }
 };
 
 class GridRay {
  public:
   /// One that hits nothing.
   GridRay() = default;
-  GridRay(const Vec3d& origin, const Vec3d& direction) {
+  RELUMBRE_HOST_DEVICE GridRay(const Vec3d& origin, const Vec3d& direction) {
     if (!is_finite(origin) || !is_finite(direction)) return;
     for (std::size_t axis = 0; axis < 3; ++axis) set_axis(axis, origin[axis], direction[axis]);
   }
 
   /// Where the ray passes a plane. Never NaN; -∞ or +∞ if it is parallel.
-  [[nodiscard]] Vec3d t(const Vec3d& planes) const { return (planes - origin_) * inverse_; }
+  [[nodiscard]] RELUMBRE_HOST_DEVICE Vec3d t(const Vec3d& planes) const {
+    return (planes - origin_) * inverse_;
+  }
 
   /// Of the cell with this corner, in cells of the deepest level, and this edge.
-  [[nodiscard]] RayInterval interval(const Cell& lower, std::uint32_t size) const {
+  [[nodiscard]] RELUMBRE_HOST_DEVICE RayInterval interval(const Cell& lower,
+                                                          std::uint32_t size) const {
     const Vec3d a = t(at(lower)), b = t(at({lower.x + size, lower.y + size, lower.z + size}));
     const Vec3d near = min(a, b), far = max(a, b);
     return {std::max(0.0, max_component(near)), std::min(far.x, std::min(far.y, far.z))};
   }
 
   /// The same exit as interval()'s.
-  [[nodiscard]] double exit(const Cell& lower, std::uint32_t size) const {
+  [[nodiscard]] RELUMBRE_HOST_DEVICE double exit(const Cell& lower, std::uint32_t size) const {
     const Vec3d far =
         t(at({lower.x + (sign_mask_ & 1U ? 0 : size), lower.y + (sign_mask_ & 2U ? 0 : size),
               lower.z + (sign_mask_ & 4U ? 0 : size)}));
@@ -70,7 +74,7 @@ class GridRay {
 
   /// The octant, around a centre, that the ray is in at `now`: the one with enter <= now < exit,
   /// given that this holds for their parent.
-  [[nodiscard]] unsigned octant_at(const Cell& center, double now) const {
+  [[nodiscard]] RELUMBRE_HOST_DEVICE unsigned octant_at(const Cell& center, double now) const {
     const Vec3d middle = t(at(center));
     const unsigned passed =
         unsigned{middle.x <= now} | unsigned{middle.y <= now} << 1 | unsigned{middle.z <= now} << 2;
@@ -79,7 +83,7 @@ class GridRay {
 
   /// The axis of the face through which the ray comes into a cell that it pierces, the first of
   /// several; -1 if it starts inside.
-  [[nodiscard]] int entered_axis(const Cell& lower, std::uint32_t size) const {
+  [[nodiscard]] RELUMBRE_HOST_DEVICE int entered_axis(const Cell& lower, std::uint32_t size) const {
     const double enter = interval(lower, size).enter;
     const Vec3d a = t(at(lower)), b = t(at({lower.x + size, lower.y + size, lower.z + size}));
     const Vec3d near = min(a, b);
@@ -87,20 +91,20 @@ class GridRay {
   }
 
   /// What t() is computed from: beside a parallel axis, a point in the same cells.
-  [[nodiscard]] const Vec3d& origin() const { return origin_; }
-  [[nodiscard]] const Vec3d& inverse() const { return inverse_; }
+  [[nodiscard]] RELUMBRE_HOST_DEVICE const Vec3d& origin() const { return origin_; }
+  [[nodiscard]] RELUMBRE_HOST_DEVICE const Vec3d& inverse() const { return inverse_; }
 
   /// Bit a is set if the ray goes down along axis a. Octants are passed in order of
   /// octant XOR sign mask.
-  [[nodiscard]] unsigned sign_mask() const { return sign_mask_; }
+  [[nodiscard]] RELUMBRE_HOST_DEVICE unsigned sign_mask() const { return sign_mask_; }
 
  private:
-  static Vec3d at(const Cell& corner) {
+  RELUMBRE_HOST_DEVICE static Vec3d at(const Cell& corner) {
     return {static_cast<double>(corner.x), static_cast<double>(corner.y),
             static_cast<double>(corner.z)};
   }
 
-  void set_axis(std::size_t axis, double origin, double direction) {
+  RELUMBRE_HOST_DEVICE void set_axis(std::size_t axis, double origin, double direction) {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     const double inverse = 1 / direction;
     const bool is_parallel = !std::isfinite(inverse);

@@ -17,6 +17,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <span>
 
@@ -39,7 +40,7 @@ struct TreeHit {
 
   VoxelHit voxel;  ///< the cell of a node is its lower corner
   VoxelTree::Child child{kNone, 0, 0};
-  explicit operator bool() const { return child.parent != kNone; }
+  RELUMBRE_HOST_DEVICE explicit operator bool() const { return child.parent != kNone; }
   friend bool operator==(const TreeHit&, const TreeHit&) = default;
 };
 
@@ -49,5 +50,8 @@ TreeHit cast(const VoxelTree& tree, const CastRay& ray);
 /// hits[i] = cast(tree, rays[i]), on all threads. Fastest where neighbours in the array go much the
 /// same way. Throws ShapeError if the sizes differ.
 void cast(const VoxelTree& tree, std::span<const CastRay> rays, std::span<TreeHit> hits);
+
+/// Another who casts a batch through some tree, such as a GPU.
+using TreeCaster = std::function<void(std::span<const CastRay>, std::span<TreeHit>)>;
 
 }  // namespace relumbre

@@ -1,10 +1,4 @@
-/// Which cells of a grid a triangle covers: exact, in integers.
-///
-/// Both definitions are those of Schwarz and Seidel 2010, §4: a cell is covered if, for the plane
-/// of the triangle, its bounding box and its projections along the three axes, the triangle meets
-///   26-separating (conservative)  the cell's closed box: exactly the cells that it touches
-///   6-separating (thin)           the octahedron inside it, whose corners are the faces' centres:
-///                                 no path from face to face leads through the surface
+/// Which cells of a grid a triangle covers (see separating.h): exact, in integers.
 ///
 /// Triangles without area count as the segment or the point that they are.
 #pragma once
@@ -15,10 +9,9 @@
 #include <cstdint>
 
 #include "relumbre/octree/cube.h"
+#include "relumbre/octree/separating.h"
 
 namespace relumbre {
-
-enum class Separating { k6, k26 };
 
 /// Vertices on the grid, in [0, 2^kGridBits].
 using GridTriangle = std::array<GridPoint, 3>;

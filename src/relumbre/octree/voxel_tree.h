@@ -23,9 +23,10 @@
 #include <utility>
 #include <vector>
 
+#include "relumbre/base/host_device.h"
 #include "relumbre/octree/cube.h"
 #include "relumbre/octree/morton.h"
-#include "relumbre/octree/triangle_cells.h"
+#include "relumbre/octree/separating.h"
 #include "relumbre/octree/voxel_value.h"
 
 namespace relumbre {
@@ -67,12 +68,16 @@ class VoxelTree {
   explicit VoxelTree(Parts parts) : parts_(std::move(parts)) {}
 
   [[nodiscard]] const Cube& cube() const { return parts_.cube; }
-  [[nodiscard]] unsigned depth() const { return parts_.depth; }
+  [[nodiscard]] RELUMBRE_HOST_DEVICE unsigned depth() const { return parts_.depth; }
   [[nodiscard]] Separating separating() const { return parts_.separating; }
   [[nodiscard]] Content content() const { return parts_.content; }
-  [[nodiscard]] unsigned levels() const { return levels_of(parts_.depth); }
-  [[nodiscard]] std::span<const Node> nodes(unsigned level) const { return parts_.nodes[level]; }
-  [[nodiscard]] std::span<const std::uint64_t> leaves() const { return parts_.leaves; }
+  [[nodiscard]] RELUMBRE_HOST_DEVICE unsigned levels() const { return levels_of(parts_.depth); }
+  [[nodiscard]] RELUMBRE_HOST_DEVICE std::span<const Node> nodes(unsigned level) const {
+    return parts_.nodes[level];
+  }
+  [[nodiscard]] RELUMBRE_HOST_DEVICE std::span<const std::uint64_t> leaves() const {
+    return parts_.leaves;
+  }
   [[nodiscard]] bool has_values() const { return !parts_.values.empty(); }
   [[nodiscard]] std::span<const VoxelValue> values() const { return parts_.values; }
   [[nodiscard]] std::span<const VoxelValue> node_values(unsigned level) const {
@@ -88,7 +93,7 @@ class VoxelTree {
   /// Of the masks and indices, without values.
   [[nodiscard]] std::uint64_t geometry_bytes() const;
   /// Voxels an edge of the children of a level's nodes; 1 of those of leaves.
-  [[nodiscard]] std::uint32_t child_edge(unsigned level) const {
+  [[nodiscard]] RELUMBRE_HOST_DEVICE std::uint32_t child_edge(unsigned level) const {
     return std::uint32_t{1} << 2 * (levels() - 1 - level);
   }
 
@@ -103,7 +108,7 @@ class VoxelTree {
   [[nodiscard]] const VoxelValue& value(const Child& child) const;
 
   /// How many bits of the mask are set below `bit`.
-  static std::uint64_t rank(std::uint64_t mask, unsigned bit) {
+  RELUMBRE_HOST_DEVICE static std::uint64_t rank(std::uint64_t mask, unsigned bit) {
     return static_cast<std::uint64_t>(std::popcount(mask & ((std::uint64_t{1} << bit) - 1)));
   }
   static constexpr unsigned levels_of(unsigned depth) { return depth < 2 ? 1 : (depth + 1) / 2; }

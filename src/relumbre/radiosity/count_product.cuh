@@ -140,7 +140,7 @@ class CountProductWork {
 
  private:
   static constexpr unsigned kStepColumns = kStepBytes / Table::kEntryBytes;
-  static constexpr unsigned kUnroll = kTiles == 1 ? 4 : 2;
+  static constexpr unsigned kUnroll = kTiles == 1 ? 4 : kTiles == 3 ? 2 : 1;
 
   /// The operand's columns from `first` on, into shared memory.
   __device__ void stage(unsigned first) {

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <bit>
+#include <string>
+
+#include "relumbre/base/error.h"
 
 namespace relumbre {
 
@@ -43,6 +46,18 @@ void EmittingSurface::finish() {
     cumulative_[j + 1] = static_cast<float>(area_up_to_[j] / area_);
   }
   cumulative_[count] = 1;
+}
+
+void load_element(const Tessellation& tessellation, std::size_t element, float clearance,
+                  EmittingSurface& surface) {
+  surface.clear();
+  for (const Facet& facet : tessellation.facets_of(element)) {
+    const auto& [a, b, c] = facet.corners;
+    surface.add(tessellation.positions[a], tessellation.positions[b], tessellation.positions[c],
+                clearance);
+  }
+  if (surface.size() == 0) throw ValueError("element " + std::to_string(element) + " has no area");
+  surface.finish();
 }
 
 }  // namespace relumbre

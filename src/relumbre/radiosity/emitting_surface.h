@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "relumbre/base/vec3.h"
+#include "relumbre/geometry/tessellation.h"
 
 namespace relumbre {
 
@@ -43,5 +44,9 @@ class EmittingSurface {
   std::vector<float> cumulative_;
   double area_ = 0;
 };
+
+/// Makes `surface` that of an element. Throws ValueError for an element without area. O(facets).
+void load_element(const Tessellation& tessellation, std::size_t element, float clearance,
+                  EmittingSurface& surface);
 
 }  // namespace relumbre

@@ -10,6 +10,7 @@
 #include "relumbre/base/parallel.h"
 #include "relumbre/geometry/label_locator.h"
 #include "relumbre/radiosity/element_sampler.h"
+#include "relumbre/radiosity/form_factor_rows.h"
 #include "relumbre/radiosity/hit_labels.h"
 #include "relumbre/radiosity/row_counter.h"
 
@@ -58,15 +59,6 @@ class ScratchPool {
   std::vector<std::unique_ptr<Scratch>> idle_;
 };
 
-LabelLocator make_locator(const Tessellation& tessellation, Binning binning) {
-  std::vector<std::uint32_t> label = tessellation.element_of_facet();
-  if (binning == Binning::kPatches) {
-    const std::vector<std::uint32_t> patch = tessellation.patch_of_element();
-    for (std::uint32_t& element : label) element = patch[element];
-  }
-  return prune(tessellation.locator, label);
-}
-
 /// Traces rows of one bake.
 class Tracer {
  public:
@@ -74,8 +66,8 @@ class Tracer {
          Binning binning)
       : rays_(rays),
         sampler_(tessellation, config.rays, config.seed, rays.epsilon()),
-        locator_(make_locator(tessellation, binning)),
-        columns_(binning == Binning::kPatches ? tessellation.patches() : tessellation.elements()),
+        locator_(label_locator(tessellation, binning)),
+        columns_(columns_of(tessellation, binning)),
         scratch_(columns_) {}
 
   [[nodiscard]] SparseCounts no_rows() const {
@@ -130,15 +122,6 @@ class Tracer {
   std::size_t columns_;
   ScratchPool scratch_;
 };
-
-void append(SparseCounts& to, const SparseCounts& from) {
-  const std::uint64_t base = to.nonzeros();
-  for (std::size_t row = 0; row < from.rows(); ++row) {
-    to.row_offsets.push_back(base + from.row_offsets[row + 1]);
-  }
-  to.column.insert(to.column.end(), from.column.begin(), from.column.end());
-  to.count.insert(to.count.end(), from.count.begin(), from.count.end());
-}
 
 /// The rows of a bake cut into blocks, and the blocks into tasks of a few rows.
 struct TaskGrid {
@@ -204,15 +187,6 @@ std::size_t tasks_per_wave(std::uint32_t rays) {
   return thread_count() * std::clamp<std::size_t>((1U << 15) / rays, 8, 64);
 }
 
-void check(const Tessellation& tessellation, const FormFactorConfig& config,
-           std::size_t first_row) {
-  if (config.row_block == 0) throw ValueError("form factors: row block of 0 rows");
-  if (first_row > tessellation.elements()) {
-    throw ValueError("form factors: first row " + std::to_string(first_row) + " of " +
-                     std::to_string(tessellation.elements()));
-  }
-}
-
 /// Makes room for what all rows will take if they are like those so far.
 void reserve(SparseCounts& counts, std::size_t rows, std::size_t more, std::size_t all_rows) {
   const std::size_t needed = counts.column.size() + more;
@@ -229,7 +203,7 @@ void reserve(SparseCounts& counts, std::size_t rows, std::size_t more, std::size
 void trace_form_factors(const Tessellation& tessellation, const RayScene& rays,
                         const FormFactorConfig& config, Binning binning, std::size_t first_row,
                         const RowSink& sink, Progress& progress) {
-  check(tessellation, config, first_row);
+  check_rows(tessellation, config, first_row);
   Tracer tracer(tessellation, rays, config, binning);
   const TaskGrid grid{first_row, tessellation.elements() - first_row, config.row_block};
   BlockWriter writer(grid, tracer.no_rows(), sink, progress);
@@ -258,8 +232,7 @@ FormFactors trace_form_factors(const Tessellation& tessellation, const RayScene&
     append(result.counts, block);
     result.tally += tally;
   };
-  const bool patches = binning == Binning::kPatches;
-  result.counts.columns = patches ? tessellation.patches() : tessellation.elements();
+  result.counts.columns = columns_of(tessellation, binning);
   result.counts.rays = config.rays;
   result.counts.row_offsets.reserve(tessellation.elements() + 1);
   trace_form_factors(tessellation, rays, config, binning, 0, gather, progress);

@@ -47,6 +47,12 @@ void trace_form_factors(const Tessellation& tessellation, const RayScene& rays,
                         const FormFactorConfig& config, Binning binning, std::size_t first_row,
                         const RowSink& sink, Progress& progress = no_progress());
 
+/// Another who does the same, such as a GPU: mesh, tessellation, figures, binning, first row, sink.
+/// `mesh` is what the tessellation was made from.
+using FormFactorTracer =
+    std::function<void(const TriangleMesh&, const Tessellation&, const FormFactorConfig&, Binning,
+                       std::size_t first_row, const RowSink&, Progress&)>;
+
 /// The same, gathered in memory: little more than 8 bytes a non-zero.
 struct FormFactors {
   SparseCounts counts;

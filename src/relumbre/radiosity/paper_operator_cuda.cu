@@ -61,9 +61,11 @@ __global__ void gather_channel(const float* e, const float* weight, const std::u
   if (p < patches && threadIdx.x % kWarp == 0) mean[p] = sum;
 }
 
-class PaperOperator final : public RelightOperator {
+}  // namespace
+
+class PaperRelight::Work {
  public:
-  PaperOperator(const RelightParts& parts, PaperStage stage, double cpu_share)
+  Work(const RelightParts& parts, PaperStage stage, double cpu_share)
       : stage_(stage),
         n_(parts.counts.rows()),
         k_(parts.counts.columns),
@@ -81,14 +83,35 @@ class PaperOperator final : public RelightOperator {
         here_mean_(k_) {
     if (stage == PaperStage::kDense) place_v();
     for (std::size_t c = 0; c < 3; ++c) make_y(parts, c);
+    std::fill_n(here_e_.data(), n_, 1.0F);
   }
 
-  [[nodiscard]] std::size_t elements() const override { return n_; }
-  [[nodiscard]] std::size_t patches() const override { return k_; }
-  [[nodiscard]] std::string_view name() const override { return to_string(stage_); }
-  [[nodiscard]] std::size_t bytes_per_apply() const override {
+  [[nodiscard]] std::size_t elements() const { return n_; }
+  [[nodiscard]] std::size_t patches() const { return k_; }
+  [[nodiscard]] PaperStage stage() const { return stage_; }
+  [[nodiscard]] std::size_t bytes_per_apply() const {
     const std::size_t matrices = stage_ == PaperStage::kDense ? 2 : 1;
     return 3 * sizeof(float) * (matrices * n_ * k_ + 3 * n_);
+  }
+
+  void relight(std::span<const float> emission, std::span<float> radiosity, std::size_t sources) {
+    for (const float e : emission)
+      if (!std::isfinite(e)) throw_not_finite(emission, n_);
+    for (std::size_t s = 0; s < sources; ++s) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        const std::size_t at = 3 * s * n_ + c;
+        for (std::size_t i = 0; i < n_; ++i) here_e_.data()[i] = emission[at + 3 * i];
+        relight_channel(c);
+        for (std::size_t i = 0; i < n_; ++i) radiosity[at + 3 * i] = here_b_.data()[i];
+      }
+    }
+  }
+
+  void relight_channel(std::size_t channel) {
+    if (stage_ == PaperStage::kDense || stage_ == PaperStage::kSparseV)
+      apply_there(channel);
+    else
+      apply_on_both(channel);
   }
 
  private:
@@ -139,25 +162,8 @@ class PaperOperator final : public RelightOperator {
       for (std::size_t p = 0; p < k_; ++p) here_y_[channel][i * k_ + p] = columns[p * n_ + i];
   }
 
-  void apply_checked(std::span<const float> emission, std::span<float> radiosity,
-                     std::size_t sources) const override {
-    for (const float e : emission)
-      if (!std::isfinite(e)) throw_not_finite(emission, n_);
-    for (std::size_t s = 0; s < sources; ++s) {
-      for (std::size_t c = 0; c < 3; ++c) {
-        const std::size_t at = 3 * s * n_ + c;
-        for (std::size_t i = 0; i < n_; ++i) here_e_.data()[i] = emission[at + 3 * i];
-        if (stage_ == PaperStage::kDense || stage_ == PaperStage::kSparseV)
-          apply_there(c);
-        else
-          apply_on_both(c);
-        for (std::size_t i = 0; i < n_; ++i) radiosity[at + 3 * i] = here_b_.data()[i];
-      }
-    }
-  }
-
   /// All on the device; B replaces E there.
-  void apply_there(std::size_t channel) const {
+  void apply_there(std::size_t channel) {
     copy_to_device<float>(values_of(here_e_), e_.data(), stream_);
     if (stage_ == PaperStage::kDense) {
       blas_.gemv(stream_, n_, k_, {v_.data(), n_, true}, e_.data(), 1, 0, mean_.data());
@@ -172,7 +178,7 @@ class PaperOperator final : public RelightOperator {
   }
 
   /// Vᵀ E here; Y e there, but for the first rows, which are done here meanwhile.
-  void apply_on_both(std::size_t channel) const {
+  void apply_on_both(std::size_t channel) {
     const float* e = here_e_.data();
     parallel_for(0, k_, 64, [&](std::size_t p) {
       float sum = 0;
@@ -209,8 +215,6 @@ class PaperOperator final : public RelightOperator {
   PinnedArray<float> here_e_, here_b_, here_mean_;
 };
 
-}  // namespace
-
 std::string_view to_string(PaperStage stage) {
   switch (stage) {
     case PaperStage::kDense:
@@ -225,8 +229,7 @@ std::string_view to_string(PaperStage stage) {
   return "paper, rows on both";
 }
 
-std::unique_ptr<RelightOperator> make_paper_operator(const RelightParts& parts, PaperStage stage,
-                                                     double cpu_share) {
+PaperRelight::PaperRelight(const RelightParts& parts, PaperStage stage, double cpu_share) {
   check_parts(parts);
   if (!(cpu_share >= 0 && cpu_share <= 1))
     throw ValueError("the CPU's share of the rows is " + std::to_string(cpu_share) +
@@ -235,7 +238,22 @@ std::unique_ptr<RelightOperator> make_paper_operator(const RelightParts& parts, 
   const std::size_t matrices = stage == PaperStage::kDense ? 5 : 4;  // three Y, one in the making
   expect_free(matrices * n * k * sizeof(float) + 8 * parts.counts.nonzeros(),
               "the paper's relight operator");
-  return std::make_unique<PaperOperator>(parts, stage, cpu_share);
+  work_ = std::make_unique<Work>(parts, stage, cpu_share);
+}
+PaperRelight::~PaperRelight() = default;
+PaperRelight::PaperRelight(PaperRelight&&) noexcept = default;
+PaperRelight& PaperRelight::operator=(PaperRelight&&) noexcept = default;
+
+std::size_t PaperRelight::elements() const { return work_->elements(); }
+std::size_t PaperRelight::patches() const { return work_->patches(); }
+std::string_view PaperRelight::name() const { return to_string(work_->stage()); }
+std::size_t PaperRelight::bytes_per_apply() const { return work_->bytes_per_apply(); }
+void PaperRelight::relight_channels() const {
+  for (std::size_t c = 0; c < 3; ++c) work_->relight_channel(c);
+}
+void PaperRelight::apply_checked(std::span<const float> emission, std::span<float> radiosity,
+                                 std::size_t sources) const {
+  work_->relight(emission, radiosity, sources);
 }
 
 }  // namespace relumbre::cuda

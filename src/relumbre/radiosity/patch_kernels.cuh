@@ -17,7 +17,8 @@ inline constexpr float kLargestFloat = std::numeric_limits<float>::max();
 
 /// Of the elements' values of every source: emission[s][element][channel].
 struct Emission {
-  const float* values;
+  const float* values;  ///< on the device, or page-locked on the host
+  float* copy;          ///< where they are also put, if not null
   std::size_t elements;
   unsigned sources;
 };
@@ -33,12 +34,18 @@ __global__ void gather_patches(Emission emission, const float* weight, const std
   const auto patch = static_cast<unsigned>(inside ? group % patches : 0);
   float sum[3] = {};
   if (inside) {
-    const float* values = emission.values + source * 3 * emission.elements;
+    const std::size_t first = source * 3 * emission.elements;
+    const float* values = emission.values + first;
+    float* copy = emission.copy == nullptr ? nullptr : emission.copy + first;
     for (std::size_t j = offsets[patch] + threadIdx.x % kGroup; j < offsets[patch + 1];
          j += kGroup) {
       const float w = weight[j];
 #pragma unroll
-      for (unsigned c = 0; c < 3; ++c) sum[c] = fmaf(w, values[3 * j + c], sum[c]);
+      for (unsigned c = 0; c < 3; ++c) {
+        const float e = values[3 * j + c];
+        if (copy != nullptr) copy[3 * j + c] = e;
+        sum[c] = fmaf(w, e, sum[c]);
+      }
     }
   }
 #pragma unroll

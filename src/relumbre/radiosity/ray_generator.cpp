@@ -10,8 +10,6 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "relumbre/base/sampling.h"
-
 HWY_BEFORE_NAMESPACE();
 namespace relumbre::HWY_NAMESPACE {
 namespace {
@@ -176,12 +174,6 @@ HWY_AFTER_NAMESPACE();
 namespace relumbre {
 
 HWY_EXPORT(generate);
-
-DigitalShift digital_shift(std::uint64_t seed, std::uint64_t stream) {
-  const std::uint64_t low = hash64(seed, stream), high = hash64(low);
-  return {static_cast<std::uint32_t>(low), static_cast<std::uint32_t>(low >> 32),
-          static_cast<std::uint32_t>(high), static_cast<std::uint32_t>(high >> 32)};
-}
 
 void generate_rays(const RayPattern& pattern, const EmittingSurface& surface,
                    const DigitalShift& shift, std::size_t first, std::span<RayPacket> rays) {

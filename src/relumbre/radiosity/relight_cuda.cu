@@ -26,6 +26,8 @@ constexpr std::size_t kBatch = 8;
 /// What a block keeps of the operand in shared memory: so that two blocks fit on sm_75 and up.
 constexpr std::size_t kOperandBytes = std::size_t{30} << 10,
                       kLargeOperandBytes = std::size_t{96} << 10;
+/// Fields so small are read and written by the kernels where they are, on the host.
+constexpr std::size_t kDirectBytes = std::size_t{512} << 10;
 /// B is copied back in parts, each while the next one is made, if a part is at least so large.
 constexpr std::size_t kMostParts = 4, kPartBytes = std::size_t{512} << 10;
 
@@ -121,7 +123,13 @@ class DeviceRelight::Work {
   /// One source, from and to the page-locked buffers.
   void relight() {
     const UseDevice use(device_.index);
-    if (!graph_) graph_ = Graph(stream_, [this] { run_with_copies(one_, 1); });
+    if (!graph_) {
+      run_with_copies(one_,
+                      1);  // kernels are loaded by their first launch, not while it is recorded
+      stream_.wait();
+      graph_ = Graph(stream_, [this] { run_with_copies(one_, 1); });
+    }
+    one_.here_not_finite.data()[0] = 0;
     graph_.start(stream_);
     stream_.wait();
     if (one_.here_not_finite.data()[0] != 0)
@@ -139,6 +147,7 @@ class DeviceRelight::Work {
       if (count == 1) {
         relight();
       } else {
+        buffers.here_not_finite.data()[0] = 0;
         run_with_copies(buffers, count);
         stream_.wait();
         if (buffers.here_not_finite.data()[0] != 0) throw_not_finite(from, elements());
@@ -156,7 +165,7 @@ class DeviceRelight::Work {
   double measure_scatter(int times) {
     const UseDevice use(device_.index);
     run(one_, 1);
-    return measure(times, [&] { scatter(one_, 1, 0, tiles()); });
+    return measure(times, [&] { scatter(one_, 1, 0, tiles(), one_.radiosity.data()); });
   }
 
  private:
@@ -185,44 +194,58 @@ class DeviceRelight::Work {
     return *batch_;
   }
 
+  /// Without copies.
   void run(const Buffers& b, std::size_t sources) {
-    before_scatter(b, sources);
-    scatter(b, sources, 0, tiles());
+    clear(b.not_finite.data(), 1, stream_);
+    before_scatter(b, sources, {b.emission.data(), nullptr, elements(), 0}, b.not_finite.data());
+    scatter(b, sources, 0, tiles(), b.radiosity.data());
   }
 
+  /// From and to the page-locked buffers.
   void run_with_copies(const Buffers& b, std::size_t sources) {
+    if (sources == 1 && 3 * elements() * sizeof(float) <= kDirectBytes)
+      run_on_host_memory(b);
+    else
+      run_in_parts(b, sources);
+  }
+
+  /// Small fields: the kernels read and write the host's memory, which costs less than copies do.
+  void run_on_host_memory(const Buffers& b) {
+    before_scatter(b, 1, {b.here_emission.data(), b.emission.data(), elements(), 0},
+                   b.here_not_finite.data());
+    scatter(b, 1, 0, tiles(), b.here_radiosity.data());
+  }
+
+  /// Large ones: each part of B is copied while the next one is made.
+  void run_in_parts(const Buffers& b, std::size_t sources) {
     const std::size_t values = 3 * elements() * sources;
     copy_to_device<float>(values_of(b.here_emission).first(values), b.emission.data(), stream_);
-    before_scatter(b, sources);
-    copy_to_host(b.not_finite.data(), values_of(b.here_not_finite), stream_);
+    before_scatter(b, sources, {b.emission.data(), nullptr, elements(), 0},
+                   b.here_not_finite.data());
     const std::size_t parts =
         sources > 1 ? 1
                     : std::clamp<std::size_t>(values * sizeof(float) / kPartBytes, 1, kMostParts);
     for (std::size_t part = 0; part < parts; ++part) {
       const auto first = static_cast<unsigned>(tiles() * part / parts);
       const auto last = static_cast<unsigned>(tiles() * (part + 1) / parts);
-      scatter(b, sources, first, last - first);
-      if (parts == 1) {
-        copy_to_host(b.radiosity.data(), values_of(b.here_radiosity).first(values), stream_);
-      } else {
-        scattered_[part].record(stream_);
-        scattered_[part].hold(copying_);
-        const std::size_t from = std::size_t{3} * first * kTileRows;
-        const std::size_t to = std::min(std::size_t{3} * last * kTileRows, values);
-        copy_to_host(b.radiosity.data() + from,
-                     values_of(b.here_radiosity).subspan(from, to - from), copying_);
-      }
+      scatter(b, sources, first, last - first, b.radiosity.data());
+      const std::size_t from = parts == 1 ? 0 : std::size_t{3} * first * kTileRows;
+      const std::size_t to =
+          parts == 1 ? values : std::min(std::size_t{3} * last * kTileRows, values);
+      scattered_[part].record(stream_);
+      scattered_[part].hold(copying_);
+      copy_to_host(b.radiosity.data() + from, values_of(b.here_radiosity).subspan(from, to - from),
+                   copying_);
     }
-    if (parts > 1) {
-      copied_.record(copying_);
-      copied_.hold(stream_);
-    }
+    copied_.record(copying_);
+    copied_.hold(stream_);
   }
 
   /// e = VᵀE, y = M e, and y split in two halves.
-  void before_scatter(const Buffers& b, std::size_t sources) {
-    clear(b.not_finite.data(), 1, stream_);
-    gather(b, sources);
+  void before_scatter(const Buffers& b, std::size_t sources, Emission emission,
+                      unsigned* not_finite) {
+    emission.sources = static_cast<unsigned>(sources);
+    gather(b, emission, not_finite);
     if (sources == 1)
       exchange(b);
     else
@@ -234,15 +257,14 @@ class DeviceRelight::Work {
            b.unscale.data());
   }
 
-  void gather(const Buffers& b, std::size_t sources) {
-    const Emission emission{b.emission.data(), elements(), static_cast<unsigned>(sources)};
+  void gather(const Buffers& b, const Emission& emission, unsigned* not_finite) {
     const auto start = [&](auto kernel, std::size_t group) {
-      const std::size_t per_block = kPatchThreads / group, groups = sources * patches();
+      const std::size_t per_block = kPatchThreads / group, groups = emission.sources * patches();
       launch(kernel,
              {.blocks = static_cast<unsigned>((groups + per_block - 1) / per_block),
               .threads = kPatchThreads},
              stream_, emission, weight_.data(), offsets_.data(), static_cast<unsigned>(patches()),
-             b.mean.data(), b.not_finite.data());
+             b.mean.data(), not_finite);
     };
     const std::size_t each = elements() / patches();
     if (each >= 16)
@@ -278,9 +300,9 @@ class DeviceRelight::Work {
                            .c_stride = 3 * k});
   }
 
-  void scatter(const Buffers& b, std::size_t sources, unsigned first_tile, unsigned count) {
-    const StoreRadiosity store{b.emission.data(), reflectance_.data(), b.radiosity.data(),
-                               elements()};
+  void scatter(const Buffers& b, std::size_t sources, unsigned first_tile, unsigned count,
+               float* radiosity) {
+    const StoreRadiosity store{b.emission.data(), reflectance_.data(), radiosity, elements()};
     switch (table_.format()) {
       case CountFormat::kCounts8:
         return scatter_as<Table8>(b, sources, first_tile, count, store);
@@ -377,7 +399,9 @@ std::size_t DeviceRelight::device_bytes(const SparseCounts& counts, CountFormat 
   const std::size_t n = counts.rows(), k = counts.columns;
   const std::size_t fixed =
       CountTable::table_bytes(n, k, format) + 3 * k * transport_pitch(k) * sizeof(float);
-  return fixed + buffer_bytes(n, k) + 4 * sizeof(float) * n + 3 * sizeof(std::uint64_t) * (n + k);
+  const std::size_t block = 8 * std::min<std::size_t>(counts.nonzeros(), (1 << 22) + k);
+  return fixed + block + buffer_bytes(n, k) + 4 * sizeof(float) * n +
+         3 * sizeof(std::uint64_t) * (n + k);
 }
 
 std::size_t DeviceRelight::elements() const { return work_->elements(); }

@@ -26,8 +26,10 @@ struct RelightParts {
 /// other operand is split into two halves, which hold 22 bits. Within 1e-5 of the largest B of the
 /// same in float64 (kFloat16 rounds counts above 2048). Any n and k. One source runs as a graph:
 ///
-///   E ─► gather e = VᵀE ─► y = M e ─► split y ─► rows of U y, in parts ─► B
-///                                                 each part's B is copied while the next is made
+///   E ─► gather e = VᵀE ─► y = M e ─► split y ─► rows of U y ─► B
+///
+/// Where E is small, the kernels read it and write B in page-locked memory of the host; else E is
+/// copied, and B in parts, each while the next one is made.
 ///
 /// All on the device that is current in the constructor. One call at a time.
 class DeviceRelight final : public RelightOperator {
@@ -80,10 +82,32 @@ inline constexpr std::array kPaperStages = {PaperStage::kDense, PaperStage::kSpa
 std::string_view to_string(PaperStage stage);
 
 /// The paper's stage on the GPU by cuBLAS, the baseline, and the variants that it proposes as
-/// future work: dense float32 Y_c = −R_c U M_c. `cpu_share` of the rows is the CPU's, of kSplitRows
-/// alone. Throws as DeviceRelight; ValueError for a share outside [0, 1].
+/// future work: dense float32 Y_c = −R_c U M_c. One call at a time.
 /// Source: the low-rank radiosity paper, §3 and §5.
-std::unique_ptr<RelightOperator> make_paper_operator(const RelightParts& parts, PaperStage stage,
-                                                     double cpu_share = 0.05);
+class PaperRelight final : public RelightOperator {
+ public:
+  /// `cpu_share` of the rows is the CPU's, of kSplitRows alone. Throws as DeviceRelight; ValueError
+  /// for a share outside [0, 1].
+  PaperRelight(const RelightParts& parts, PaperStage stage, double cpu_share = 0.05);
+  ~PaperRelight() override;
+  PaperRelight(PaperRelight&&) noexcept;
+  PaperRelight& operator=(PaperRelight&&) noexcept;
+
+  [[nodiscard]] std::size_t elements() const override;
+  [[nodiscard]] std::size_t patches() const override;
+  [[nodiscard]] std::string_view name() const override;
+  [[nodiscard]] std::size_t bytes_per_apply() const override;
+
+  /// Three channels of one field as the paper does them, one after the other, each from and to
+  /// page-locked memory of its own: what it times.
+  void relight_channels() const;
+
+ private:
+  void apply_checked(std::span<const float> emission, std::span<float> radiosity,
+                     std::size_t sources) const override;
+
+  class Work;
+  std::unique_ptr<Work> work_;
+};
 
 }  // namespace relumbre::cuda

@@ -17,7 +17,8 @@ namespace relumbre {
 
 namespace {
 
-/// Rays traced together: enough to keep the ray tracer busy, few enough to stay in the caches.
+/// Rays traced together, unless the tracer wants more: enough to keep it busy, few enough to stay
+/// in the caches.
 constexpr std::size_t kBatch = 2048;
 /// Times as many for an element that the light's power hinges on.
 constexpr std::size_t kMoreRays = 16;
@@ -69,7 +70,8 @@ class ElementLight {
   template <class Ahead>
   void estimate(std::span<const std::uint32_t> elements, std::size_t rays,
                 std::span<Estimate> estimates, Ahead&& ahead) {
-    parallel_chunks(0, elements.size(), std::max<std::size_t>(1, kBatch / rays),
+    const std::size_t batch_rays = std::max(kBatch, rays_.preferred_batch());
+    parallel_chunks(0, elements.size(), std::max<std::size_t>(1, batch_rays / rays),
                     [&](std::size_t first, std::size_t last) {
                       std::vector<LightRay> batch((last - first) * rays);
                       std::vector<Rgb> arriving(batch.size());

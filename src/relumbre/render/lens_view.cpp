@@ -1,5 +1,6 @@
 #include "relumbre/render/lens_view.h"
 
+#include <algorithm>
 #include <vector>
 
 #include <fmt/format.h>
@@ -17,6 +18,7 @@ namespace {
 
 constexpr std::uint32_t kMaxSamples = 1U << 16;
 constexpr std::size_t kTileSide = 8;
+constexpr std::size_t kMaxTileSide = 512;
 
 void check(const LensViewConfig& config) {
   check_view(config.view, kMaxSamples);
@@ -41,10 +43,12 @@ class LensRenderer {
         image_(config.view.width, config.view.height, channel_names()) {}
 
   Image run(Progress& progress) && {
-    for_each_tile(config_.width, config_.height, kTileSide, "lens", progress,
+    for_each_tile(config_.width, config_.height, tile_side(), "lens", progress,
                   [&](const ViewTile& tile) {
                     render_center_channels(in_, camera_, tile, image_);
-                    for (std::size_t i = 0; i < tile.pixels(); ++i) render_pixel(tile.pixel(i));
+                    const std::size_t together = pixels_together();
+                    for (std::size_t i = 0; i < tile.pixels(); i += together)
+                      render_pixels(tile, i, std::min(together, tile.pixels() - i));
                   });
     return std::move(image_);
   }
@@ -60,49 +64,76 @@ class LensRenderer {
                                 sample.lens * radius_, focus_);
   }
 
-  void render_pixel(std::size_t pixel) {
-    const std::span<const LensSample> samples = samples_.of_pixel(pixel);
-    std::vector<Hit> hits(samples.size());
-    for (std::size_t first = 0; first < samples.size(); first += RayPacket::kSize) {
-      const std::size_t lanes = std::min(RayPacket::kSize, samples.size() - first);
-      trace(pixel, samples.subspan(first, lanes), std::span(hits).subspan(first, lanes));
+  /// Pixels whose rays are traced in one call, as many as the tracer wants.
+  [[nodiscard]] std::size_t pixels_together() const {
+    if (!in_.rays.wants_long_batches()) return 1;
+    return std::max<std::size_t>(1, in_.rays.preferred_batch() / config_.samples);
+  }
+  [[nodiscard]] std::size_t tile_side() const {
+    std::size_t side = kTileSide;
+    while (side * side < pixels_together() && side < kMaxTileSide) side *= 2;
+    return side;
+  }
+
+  /// Pixels [first, first + count) of a tile.
+  void render_pixels(const ViewTile& tile, std::size_t first, std::size_t count) {
+    const std::size_t each = config_.samples;
+    std::vector<Ray> rays;
+    std::vector<SampleId> ids;
+    rays.reserve(count * each), ids.reserve(count * each);
+    for (std::size_t i = first; i < first + count; ++i) {
+      const std::size_t pixel = tile.pixel(i);
+      for (const LensSample& sample : samples_.of_pixel(pixel)) {
+        rays.push_back(ray(pixel, sample));
+        ids.push_back({pixel, sample.index});
+      }
     }
-    std::vector<SampleId> ids(samples.size());
-    for (std::size_t s = 0; s < ids.size(); ++s) ids[s] = {pixel, samples[s].index};
-    std::vector<Rgb> color(samples.size());
+    std::vector<Hit> hits(rays.size());
+    trace(rays, hits);
+    std::vector<Rgb> color(rays.size());
     shader_.shade(hits, ids, color);
-    set_mean(pixel, samples, hits, color);
+    for (std::size_t i = 0; i < count; ++i) {
+      set_mean(tile.pixel(first + i), std::span(rays).subspan(i * each, each),
+               std::span(hits).subspan(i * each, each), std::span(color).subspan(i * each, each));
+    }
+  }
+
+  void trace(std::span<const Ray> rays, std::span<Hit> hits) const {
+    if (in_.rays.wants_long_batches()) return trace_primary(in_.scene, in_.rays, rays, hits);
+    for (std::size_t first = 0; first < rays.size(); first += RayPacket::kSize) {
+      const std::size_t lanes = std::min(RayPacket::kSize, rays.size() - first);
+      trace_packet(rays.subspan(first, lanes), hits.subspan(first, lanes));
+    }
   }
 
   /// At most a packet's worth of rays.
-  void trace(std::size_t pixel, std::span<const LensSample> samples, std::span<Hit> hits) const {
+  void trace_packet(std::span<const Ray> rays, std::span<Hit> hits) const {
     RayPacket packet{};
-    for (std::size_t i = 0; i < samples.size(); ++i) {
-      const Ray r = ray(pixel, samples[i]);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
       for (std::size_t c = 0; c < 3; ++c) {
-        packet.origin[c][i] = r.origin[c];
-        packet.direction[c][i] = r.direction[c];
+        packet.origin[c][i] = rays[i].origin[c];
+        packet.direction[c][i] = rays[i].direction[c];
       }
-      packet.t_min[i] = r.t_min;
-      packet.t_max[i] = r.t_max;
+      packet.t_min[i] = rays[i].t_min;
+      packet.t_max[i] = rays[i].t_max;
     }
     HitPacket met;
-    trace_primary(in_.scene, in_.rays, packet, met, samples.size());
-    for (std::size_t i = 0; i < samples.size(); ++i) {
+    trace_primary(in_.scene, in_.rays, packet, met, rays.size());
+    for (std::size_t i = 0; i < rays.size(); ++i) {
       if (met.triangle[i] == kNone) continue;
       hits[i] = {met.triangle[i], met.t[i], met.u[i], met.v[i], met.back[i] != 0};
     }
   }
 
-  void set_mean(std::size_t pixel, std::span<const LensSample> samples, std::span<const Hit> hits,
+  void set_mean(std::size_t pixel, std::span<const Ray> rays, std::span<const Hit> hits,
                 std::span<const Rgb> color) {
     Vec3d sum;
     std::size_t covered = 0;
-    for (std::size_t s = 0; s < samples.size(); ++s) {
-      sum += Vec3d(hits[s] ? color[s] : shader_.background(ray(pixel, samples[s]).direction));
+    for (std::size_t s = 0; s < rays.size(); ++s) {
+      sum += Vec3d(hits[s] ? color[s] : shader_.background(rays[s].direction));
       covered += hits[s] ? 1 : 0;
     }
-    const auto count = static_cast<double>(samples.size());
+    const auto count = static_cast<double>(rays.size());
     set_pixel(image_, pixel, {"R", "G", "B"}, Rgb(sum / count));
     image_.channel("A")[pixel] = static_cast<float>(static_cast<double>(covered) / count);
   }
@@ -129,14 +160,18 @@ std::vector<float> pinhole_depth(const Scene& scene, const RayScene& rays, const
   check_picture_size(width, height);
   const CameraRays through(camera, width, height);
   std::vector<float> depth(width * height);
-  parallel_for(0, height, 4, [&](std::size_t y) {
-    std::vector<Ray> row(width);
-    std::vector<Hit> hits(width);
-    for (std::size_t x = 0; x < width; ++x) {
-      row[x] = through.through(static_cast<float>(x) + 0.5F, static_cast<float>(y) + 0.5F);
+  // Rows that are traced in one call.
+  const std::size_t together =
+      rays.wants_long_batches() ? std::max<std::size_t>(1, rays.preferred_batch() / width) : 1;
+  parallel_chunks(0, height, together, [&](std::size_t first, std::size_t last) {
+    std::vector<Ray> primary((last - first) * width);
+    std::vector<Hit> hits(primary.size());
+    for (std::size_t i = 0; i < primary.size(); ++i) {
+      primary[i] = through.through(static_cast<float>(i % width) + 0.5F,
+                                   static_cast<float>(first + i / width) + 0.5F);
     }
-    trace_primary(scene, rays, row, hits);
-    for (std::size_t x = 0; x < width; ++x) depth[y * width + x] = hits[x].t;
+    trace_primary(scene, rays, primary, hits);
+    for (std::size_t i = 0; i < hits.size(); ++i) depth[first * width + i] = hits[i].t;
   });
   return depth;
 }

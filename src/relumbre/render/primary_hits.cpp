@@ -20,6 +20,12 @@ Ray behind(Ray ray, const Hit& hit, float epsilon) {
   return ray;
 }
 
+/// Rays that no longer have neighbours: one at a time, unless the tracer wants many together.
+void trace_apart(const RayScene& scene, std::span<const Ray> rays, std::span<Hit> hits) {
+  if (scene.wants_long_batches()) return scene.closest(rays, hits);
+  for (std::size_t i = 0; i < rays.size(); ++i) hits[i] = scene.closest(rays[i]);
+}
+
 Ray lane(const RayPacket& packet, std::size_t i) {
   return {{packet.origin[0][i], packet.origin[1][i], packet.origin[2][i]},
           packet.t_min[i],
@@ -69,18 +75,27 @@ void trace_primary(const Scene& scene, const RayScene& rays, std::span<const Ray
                    std::span<Hit> hits) {
   rays.closest(primary, hits);
   std::vector<std::size_t> left;
-  std::vector<Ray> again(primary.begin(), primary.end());
+  std::vector<Ray> again;  // the rays of those
   for (std::size_t i = 0; i < hits.size(); ++i) {
-    if (culled(scene, hits[i])) left.push_back(i);
+    if (!culled(scene, hits[i])) continue;
+    left.push_back(i);
+    again.push_back(primary[i]);
   }
+  std::vector<Hit> met;
   for (int pass = 0; pass < kMaxBacks && !left.empty(); ++pass) {
-    std::vector<std::size_t> still_left;
-    for (const std::size_t i : left) {
-      again[i] = behind(again[i], hits[i], rays.epsilon());
-      hits[i] = rays.closest(again[i]);
-      if (culled(scene, hits[i])) still_left.push_back(i);
+    for (std::size_t i = 0; i < left.size(); ++i) {
+      again[i] = behind(again[i], hits[left[i]], rays.epsilon());
     }
-    left = std::move(still_left);
+    met.assign(left.size(), {});
+    trace_apart(rays, again, met);
+    std::size_t still_left = 0;
+    for (std::size_t i = 0; i < left.size(); ++i) {
+      hits[left[i]] = met[i];
+      if (!culled(scene, met[i])) continue;
+      again[still_left] = again[i];
+      left[still_left++] = left[i];
+    }
+    left.resize(still_left), again.resize(still_left);
   }
   for (const std::size_t i : left) hits[i] = {};
 }

@@ -65,11 +65,13 @@ class Renderer {
     return names;
   }
 
-  /// Tiles small enough that a tile's rays take a few megabytes.
+  /// Tiles small enough that a tile's rays take a few megabytes, or as many as the tracer wants.
   [[nodiscard]] std::size_t tile_side() const {
     const std::uint32_t rays = std::max(config_.samples, config_.light_samples);
-    std::size_t side = 16;
-    while (side > 1 && side * side * rays > (1U << 14)) side /= 2;
+    const bool long_batches = in_.rays.wants_long_batches();
+    const std::size_t most = long_batches ? in_.rays.preferred_batch() : 1U << 14;
+    std::size_t side = long_batches ? 512 : 16;
+    while (side > 1 && side * side * rays > most) side /= 2;
     return side;
   }
 

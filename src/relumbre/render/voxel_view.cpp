@@ -24,7 +24,8 @@ namespace relumbre {
 
 namespace {
 
-constexpr std::size_t kRows = 16;  // of a picture, cast at a time
+/// Rows of a picture are cast at a time: so many, or by a caster of its own so many rays.
+constexpr std::size_t kRows = 16, kCasterRays = std::size_t{1} << 20;
 constexpr std::uint32_t kMaxSamples = 1U << 14;
 constexpr std::array kNormalNames{"N.X", "N.Y", "N.Z"};
 
@@ -35,16 +36,16 @@ void check_config(const VoxelViewConfig& config) {
     throw ValueError(fmt::format("view: level of detail of {} pixels", config.detail));
   if (config.detail > 0 && config.traversal)
     throw ValueError("view: level of detail is for the fast traversal alone");
+  if (config.caster && config.traversal)
+    throw ValueError("view: a caster is for the fast traversal alone");
 }
 
-using Caster = std::function<void(std::span<const CastRay>, std::span<TreeHit>)>;
-
-Caster fast_caster(const VoxelTree& tree) {
+TreeCaster fast_caster(const VoxelTree& tree) {
   return
       [&tree](std::span<const CastRay> rays, std::span<TreeHit> hits) { cast(tree, rays, hits); };
 }
 
-Caster words_caster(const VoxelTree& tree, const Traversal& traversal) {
+TreeCaster words_caster(const VoxelTree& tree, const Traversal& traversal) {
   if (tree.depth() == 0)
     throw ValueError("view: an octree of depth 0 has no words; the fast traversal shows it");
   const auto words = std::make_shared<Octree>(voxel_codes(tree), static_cast<int>(tree.depth()));
@@ -56,9 +57,14 @@ Caster words_caster(const VoxelTree& tree, const Traversal& traversal) {
   };
 }
 
+TreeCaster caster_of(const VoxelTree& tree, const VoxelViewConfig& config) {
+  if (config.caster) return config.caster;
+  return config.traversal ? words_caster(tree, *config.traversal) : fast_caster(tree);
+}
+
 /// Casts one ray through each pixel of some rows at a time; take(pixel, ray, hit) has the results.
 template <class Offset, class Take>
-void cast_rows(const Caster& cast, const GridRays& camera, std::size_t width, std::size_t first,
+void cast_rows(const TreeCaster& cast, const GridRays& camera, std::size_t width, std::size_t first,
                std::size_t last, const Offset& offset, const Take& take) {
   std::vector<CastRay> rays((last - first) * width);
   std::vector<TreeHit> hits(rays.size());
@@ -100,7 +106,8 @@ Image render_voxels(const VoxelTree& tree, const Camera& camera, const VoxelView
   Image image(config.width, config.height, names);
   const GridRays rays(tree.cube(), tree.depth(), camera, config.width, config.height,
                       config.detail);
-  const Caster cast = config.traversal ? words_caster(tree, *config.traversal) : fast_caster(tree);
+  const TreeCaster cast = caster_of(tree, config);
+  const std::size_t rows = config.caster ? std::max(kRows, kCasterRays / config.width) : kRows;
   const VoxelShader shader(tree, config.shading, config.smooth);
   const auto alpha = image.channel("A"), z = image.channel("Z");
   const float share = 1 / static_cast<float>(config.samples);
@@ -112,8 +119,8 @@ Image render_voxels(const VoxelTree& tree, const Camera& camera, const VoxelView
   };
 
   progress.begin("cast rays", config.height);
-  for (std::size_t first = 0; first < config.height; first += kRows) {
-    const std::size_t last = std::min(config.height, first + kRows);
+  for (std::size_t first = 0; first < config.height; first += rows) {
+    const std::size_t last = std::min(config.height, first + rows);
     const auto center = [](std::size_t) { return Vec2f{0, 0}; };
     cast_rows(cast, rays, config.width, first, last, center,
               [&](std::size_t pixel, const CastRay& ray, const TreeHit& hit) {

@@ -19,6 +19,7 @@ struct VoxelViewConfig {
   VoxelShading shading = VoxelShading::kLit;
   bool smooth = false;  ///< colours and normals interpolated between the voxels around a hit
   double detail = 0;    ///< nodes of up to so many pixels are shown by their means; 0: voxels alone
+  TreeCaster caster;    ///< who casts the rays; empty: the CPU
   std::optional<Traversal> traversal;  ///< of the architectural octree; none: the fast one
   Rgb background{};
   std::uint64_t seed = 1;
@@ -31,7 +32,8 @@ struct VoxelViewConfig {
 ///   N.X N.Y N.Z   the voxel's normal, facing the camera; that of the face without values
 /// The last two from the ray through the pixel's centre. Deterministic for any number of threads,
 /// and the same for every traversal. Throws ValueError for a camera or config out of range, or for
-/// level of detail with one of the thesis's traversals, which know voxels alone; Cancelled.
+/// level of detail or a caster with one of the thesis's traversals, which know voxels alone;
+/// Cancelled.
 Image render_voxels(const VoxelTree& tree, const Camera& camera, const VoxelViewConfig& config = {},
                     Progress& progress = no_progress());
 

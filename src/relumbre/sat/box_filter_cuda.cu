@@ -27,8 +27,8 @@ struct RadiusOfEach {
 };
 
 template <class T, std::size_t kChannels, class RadiusAt>
-__global__ void filter(BoxReader<T, kChannels> reader, RadiusAt radius_at, BorderRule border,
-                       float* out) {
+__global__ void filter(const __grid_constant__ BoxReader<T, kChannels> reader, RadiusAt radius_at,
+                       const __grid_constant__ BorderRule border, float* out) {
   const SatLayout& layout = reader.layout();
   const std::size_t x = std::size_t{blockIdx.x} * kBlockWidth + threadIdx.x;
   if (x >= layout.width) return;
@@ -89,8 +89,9 @@ __device__ SatSums mean_of_box(const BoxReader<T, kChannels>& reader, const Allo
 }
 
 template <class T, std::size_t kChannels>
-__global__ void mean_boxes(BoxReader<T, kChannels> reader, Allowed allowed, const RealBox* boxes,
-                           std::size_t count, BorderRule border, SatSums* means) {
+__global__ void mean_boxes(const __grid_constant__ BoxReader<T, kChannels> reader, Allowed allowed,
+                           const RealBox* boxes, std::size_t count,
+                           const __grid_constant__ BorderRule border, SatSums* means) {
   const std::size_t i = std::size_t{blockIdx.x} * kThreads + threadIdx.x;
   if (i < count) means[i] = mean_of_box(reader, allowed, boxes[i], border);
 }

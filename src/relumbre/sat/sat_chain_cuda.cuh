@@ -32,12 +32,13 @@ class SatChain {
 
  private:
   /// A diagonal of tiles takes an H200 about a µs, and so does it to hand a number on: one or two
-  /// tiles are on their way, and more while the first diagonals are.
-  static constexpr unsigned kReach = 4;
+  /// tiles are on their way, and more while the first diagonals are. Wide sums have registers for 2
+  /// beside those of a tile.
+  static constexpr unsigned kReach = sizeof(T) == 8 ? 2 : 4;
   static constexpr unsigned kPauseNanoseconds = 40;
 
   __device__ T look_back() const {
-    T sums[kReach];
+    T sums[kReach] = {};
     std::uint32_t tags[kReach] = {};
     for (;;) {
 #pragma unroll

@@ -7,7 +7,6 @@
 #include "relumbre/base/content_hash.h"
 #include "relumbre/base/error.h"
 #include "relumbre/radiosity/energy_report.h"
-#include "relumbre/radiosity/form_factors.h"
 #include "relumbre/scene/element_materials.h"
 #include "relumbre/store/bake_journal.h"
 #include "relumbre/store/store.h"
@@ -49,11 +48,15 @@ JournalKey key_of(const Scene& scene, const Tessellation& tessellation, const Ba
 void trace_missing_rows(const Scene& scene, const Tessellation& tessellation,
                         const BakeConfig& config, BakeJournal& journal, Progress& progress) {
   if (journal.next_row() == tessellation.elements()) return;
-  const RayScene rays(scene.mesh);
   const FormFactorConfig form_factors{
       .rays = config.rays, .seed = config.seed, .row_block = config.row_block};
   const auto keep = [&journal](std::size_t first, const SparseCounts& block,
                                const RayTally& tally) { journal.append(first, block, tally); };
+  if (config.tracer) {
+    return config.tracer(scene.mesh, tessellation, form_factors, Binning::kPatches,
+                         journal.next_row(), keep, progress);
+  }
+  const RayScene rays(scene.mesh);
   trace_form_factors(tessellation, rays, form_factors, Binning::kPatches, journal.next_row(), keep,
                      progress);
 }

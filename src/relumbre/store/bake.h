@@ -9,6 +9,7 @@
 
 #include "relumbre/base/progress.h"
 #include "relumbre/geometry/tessellation.h"
+#include "relumbre/radiosity/form_factors.h"
 #include "relumbre/scene/scene.h"
 #include "relumbre/store/baked_scene.h"
 
@@ -25,6 +26,8 @@ struct BakeConfig {
   /// there is overwritten: a new bake was asked for.
   bool resume = false;
   std::string scene_name = {};  ///< for reports
+  /// Who traces the form factors; empty: the CPU.
+  FormFactorTracer tracer = {};
 };
 
 struct BakeResult {

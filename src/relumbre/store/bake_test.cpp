@@ -108,6 +108,24 @@ TEST_F(Bake, ThreadsAndBlocksDoNotChangeAByte) {
   EXPECT_EQ(bytes_of(store_), expected);
 }
 
+TEST_F(Bake, AnotherTracerContinuesTheSameJournal) {
+  const std::string expected = uninterrupted();
+  interrupt_after(100);
+  std::size_t from = 0;
+  BakeConfig config = small_config();
+  config.resume = true;
+  config.tracer = [&from](const TriangleMesh& mesh, const Tessellation& tessellation,
+                          const FormFactorConfig& rays, Binning binning, std::size_t first_row,
+                          const RowSink& sink, Progress& progress) {
+    from = first_row;
+    trace_form_factors(tessellation, RayScene(mesh), rays, binning, first_row, sink, progress);
+  };
+  const BakeResult result = bake(scene_, config, store_);
+  EXPECT_GE(from, 96U);
+  EXPECT_EQ(from, result.resumed_rows);
+  EXPECT_EQ(bytes_of(store_), expected);
+}
+
 TEST_F(Bake, InterruptedAndResumedEndsWithTheSameBytes) {
   const std::string expected = uninterrupted();
   for (const std::uint64_t rows : {1U, 70U, 150U}) {

@@ -66,6 +66,15 @@ class Machine {
     std::ranges::shuffle(to_come_, random_);
   }
 
+  /// Threads that have not ended cannot be ended: unwinding their stacks is more than the address
+  /// sanitizer follows. They stay where they are.
+  ~Machine() {
+    static auto& graveyard = *new std::vector<std::unique_ptr<Block>>;
+    for (auto& block : resident_) graveyard.push_back(std::move(block));
+  }
+  Machine(const Machine&) = delete;
+  Machine& operator=(const Machine&) = delete;
+
   void run() {
     for (std::size_t idle = 0;;) {
       while (resident_.size() < kResidentBlocks && !to_come_.empty()) start_block();
@@ -84,6 +93,12 @@ class Machine {
     }
   }
 
+  /// In a thread, where nothing may be thrown: it stops here for ever, and the machine throws.
+  void fail(const std::string& what) {
+    error_ = std::make_exception_ptr(std::logic_error("emulator: " + what));
+    for (;;) pause();
+  }
+
   [[nodiscard]] Thread* running() const { return running_; }
 
   void pause() {
@@ -97,8 +112,8 @@ class Machine {
       block.barrier_site = site;
     } else if (site.line() != block.barrier_site.line() ||
                std::strcmp(site.file_name(), block.barrier_site.file_name()) != 0) {
-      throw std::logic_error("emulator: threads of one block at different barriers: " +
-                             place(site) + " and " + place(block.barrier_site));
+      fail("threads of one block at different barriers: " + place(site) + " and " +
+           place(block.barrier_site));
     }
     ++progress_;
     Thread* self = running_;
@@ -116,18 +131,15 @@ class Machine {
     Thread* self = running_;
     const unsigned lane = self->linear % 32, bit = 1U << lane;
     Warp& warp = self->block->warps[self->linear / 32];
-    if ((mask & bit) == 0)
-      throw std::logic_error("emulator: a lane outside its mask, " + place(site));
-    if ((mask & ~warp.live) != 0)
-      throw std::logic_error("emulator: the mask has lanes that have ended, " + place(site));
+    if ((mask & bit) == 0) fail("a lane outside its mask, " + place(site));
+    if ((mask & ~warp.live) != 0) fail("the mask has lanes that have ended, " + place(site));
     auto open = std::ranges::find_if(
         warp.open, [&](const Exchange& e) { return e.mask == mask && (e.arrived & bit) == 0; });
     if (open == warp.open.end()) {
       open = warp.open.insert(warp.open.end(), Exchange{});
       open->mask = mask, open->site = site;
     } else if (open->site.line() != site.line()) {
-      throw std::logic_error("emulator: lanes of one mask at different places: " + place(site) +
-                             " and " + place(open->site));
+      fail("lanes of one mask at different places: " + place(site) + " and " + place(open->site));
     }
     std::memcpy(open->values[lane].data(), value, bytes);
     open->arrived |= bit;
@@ -155,19 +167,13 @@ class Machine {
       thread->index = {i % block_.x, i / block_.x % block_.y, i / block_.x / block_.y};
       thread->linear = i;
       thread->block = block.get();
-      thread->fibre = boost::context::fiber(
-          std::allocator_arg, stacks(), [this, t = thread.get()](auto&& machine) {
-            t->machine = std::move(machine);
-            try {
-              kernel_();
-            } catch (const boost::context::detail::forced_unwind&) {
-              throw;
-            } catch (...) {
-              error_ = std::current_exception();
-            }
-            t->finished = true;
-            return std::move(t->machine);
-          });
+      thread->fibre = boost::context::fiber(std::allocator_arg, stacks(),
+                                            [this, t = thread.get()](auto&& machine) {
+                                              t->machine = std::move(machine);
+                                              kernel_();
+                                              t->finished = true;
+                                              return std::move(t->machine);
+                                            });
       block->warps[i / 32].live |= 1U << i % 32;
       ready_.push_back(thread.get());
       block->threads.push_back(std::move(thread));
@@ -176,7 +182,7 @@ class Machine {
   }
 
   static boost::context::pooled_fixedsize_stack& stacks() {
-    static boost::context::pooled_fixedsize_stack pool(kStackBytes);
+    static auto& pool = *new boost::context::pooled_fixedsize_stack(kStackBytes);
     return pool;
   }
 
