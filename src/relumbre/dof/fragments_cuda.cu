@@ -14,7 +14,7 @@ namespace {
 
 constexpr unsigned kThreads = 256;
 /// Of a block that sweeps the picture for silhouettes, at most.
-constexpr unsigned kSweepThreads = 1024;
+constexpr unsigned kSweepThreads = 512;
 
 unsigned blocks_for(std::size_t count) {
   return static_cast<unsigned>((count + kThreads - 1) / kThreads);
