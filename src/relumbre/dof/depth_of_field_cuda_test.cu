@@ -134,6 +134,21 @@ TEST(SpreadCuda, MatchesCpuForAnyNumberOfLayers) {
   }
 }
 
+TEST(SpreadCuda, SilhouettesRevealTheSameInTilesAsInTheWholePicture) {
+  RELUMBRE_NEEDS_DEVICE();
+  // Blurs for which tiles are of 64 and of 256 pixels, and for which the picture is one.
+  for (const double blur : {6.0, 30.0, 110.0, 400.0}) {
+    for (const Made& size : {Made{150, 9, false, true}, Made{9, 140, false, true}}) {
+      const DepthPicture picture = made_picture(size);
+      DofConfig config = spreading(lens_for(blur, size.width), BlurShape::kAperture);
+      config.spread.layers = 3;
+      const auto cpu = spread(picture, config.lens, config.spread);
+      EXPECT_LT(worst_difference(cuda::depth_of_field(picture, config), cpu), kTolerance)
+          << size.width << " x " << size.height << ", blur " << blur;
+    }
+  }
+}
+
 TEST(SpreadCuda, NothingIsSeenBehindWhatIsInFocus) {
   RELUMBRE_NEEDS_DEVICE();
   // Tiles may stop at the front, of whose layer nothing is open.
@@ -335,6 +350,10 @@ TEST(DofCuda, BadInputIsRefusedAsTheCpuRefusesIt) {
     config.spread.layers = config.layered_steps = 0;
     EXPECT_THROW(cuda::depth_of_field(picture, config), ValueError);
   }
+  DofConfig too_blurred{.lens = lens_for(1e5, 8)};
+  too_blurred.method = DofMethod::kLayered;
+  too_blurred.spread.largest_diameter = 1e5;
+  EXPECT_THROW(cuda::depth_of_field(picture, too_blurred), ValueError);
   DofConfig two_blades = spreading(lens_for(4, 8), BlurShape::kAperture, 2);
   EXPECT_THROW(cuda::depth_of_field(picture, two_blades), ValueError);
   DepthPicture bad = picture;

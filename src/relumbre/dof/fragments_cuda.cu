@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <cmath>
 #include <string>
 
+#include "relumbre/cuda/device.h"
 #include "relumbre/cuda/launch.cuh"
 #include "relumbre/dof/fragment.h"
 #include "relumbre/dof/fragments_cuda.cuh"
@@ -11,8 +13,8 @@ namespace relumbre::cuda {
 namespace {
 
 constexpr unsigned kThreads = 256;
-/// Of the one block that sweeps the picture for silhouettes.
-constexpr unsigned kSweepThreads = 1024;
+/// Of a block that sweeps the picture for silhouettes, at most.
+constexpr unsigned kSweepThreads = 512;
 
 unsigned blocks_for(std::size_t count) {
   return static_cast<unsigned>((count + kThreads - 1) / kThreads);
@@ -44,40 +46,86 @@ __global__ void find_mixed(EdgeMap edges, std::uint8_t* mixed) {
     mixed[i] = edges.beside_jump(i % plane.width, i / plane.width) ? 1 : 0;
 }
 
-__global__ void find_own_silhouettes(EdgeMap edges, Silhouette* silhouettes) {
-  const auto i = static_cast<std::ptrdiff_t>(thread_index());
-  const CirclePlane& plane = edges.plane;
-  if (i < plane.width * plane.height)
-    silhouettes[i] = own_silhouette(edges, i % plane.width, i / plane.width);
+/// Tiles of the picture, each in a window that reaches `halo` pixels farther.
+struct RevealTiles {
+  std::ptrdiff_t side, halo, columns;
+  std::size_t window;  ///< pixels at most
+
+  RevealTiles(std::size_t width, std::size_t height, std::ptrdiff_t reach)
+      : side(reach <= 32    ? 64
+             : reach <= 128 ? 256
+                            : static_cast<std::ptrdiff_t>(std::max(width, height))),
+        halo(reach),
+        columns((static_cast<std::ptrdiff_t>(width) + side - 1) / side),
+        window(std::min(width, static_cast<std::size_t>(side + 2 * halo)) *
+               std::min(height, static_cast<std::size_t>(side + 2 * halo))) {}
+  [[nodiscard]] std::size_t count(std::size_t height) const {
+    return static_cast<std::size_t>(columns) *
+           ((height + static_cast<std::size_t>(side) - 1) / static_cast<std::size_t>(side));
+  }
+};
+
+/// All pixels of a window, by all threads of the block.
+template <class Use>
+__device__ void for_pixels(std::ptrdiff_t width, std::ptrdiff_t height, Use&& use) {
+  for (std::ptrdiff_t i = threadIdx.x; i < width * height; i += blockDim.x)
+    use(i % width, i / width);
 }
 
-/// The sweeps of revealed() in the same order as far as it matters: a pixel waits for its neighbour
-/// to the left and for three above, so that pixels of equal x + 2 y go together. One block.
-__global__ void __launch_bounds__(kSweepThreads)
-    sweep_silhouettes(EdgeMap edges, Silhouette* silhouettes) {
-  const std::ptrdiff_t width = edges.plane.width, height = edges.plane.height;
-  const std::ptrdiff_t steps = width + 2 * (height - 1);
-  for (int step = 1; step >= -1; step -= 2) {
-    for (std::ptrdiff_t at = 0; at < steps; ++at) {
-      // Rows whose turn it is: 0 ≤ at − 2 row < width.
-      const std::ptrdiff_t first = at < width ? 0 : (at - width + 2) / 2;
-      const std::ptrdiff_t last = at / 2 < height - 1 ? at / 2 : height - 1;
-      for (std::ptrdiff_t row = first + threadIdx.x; row <= last; row += blockDim.x) {
-        const std::ptrdiff_t column = at - 2 * row;
-        sweep_silhouette(edges, silhouettes, step > 0 ? column : width - 1 - column,
-                         step > 0 ? row : height - 1 - row, step);
-      }
-      __syncthreads();
+/// A sweep in the order of the CPU's as far as it matters: a pixel waits for its neighbour to the
+/// left and for three above, so that pixels of equal x + 2 y go together.
+__device__ void sweep_window(const SilhouetteWindow& window, int step) {
+  const std::ptrdiff_t width = window.width, height = window.height;
+  for (std::ptrdiff_t at = 0; at < width + 2 * (height - 1); ++at) {
+    // Rows whose turn it is: 0 ≤ at − 2 row < width.
+    const std::ptrdiff_t first = at < width ? 0 : (at - width + 2) / 2;
+    const std::ptrdiff_t last = std::min(at / 2, height - 1);
+    for (std::ptrdiff_t row = first + threadIdx.x; row <= last; row += blockDim.x) {
+      const std::ptrdiff_t column = at - 2 * row;
+      if (step > 0)
+        window.sweep(column, row, step);
+      else
+        window.sweep(width - 1 - column, height - 1 - row, step);
     }
+    __syncthreads();
   }
+}
+
+/// revealed() of a tile a block.
+__global__ void __launch_bounds__(kSweepThreads)
+    find_revealed(RevealTiles tiles, EdgeMap edges, const float* behind_depth,
+                  const float* behind_circles, Silhouette* silhouettes, std::uint8_t* revealed) {
+  const CirclePlane& plane = edges.plane;
+  const std::ptrdiff_t x0 = blockIdx.x % tiles.columns * tiles.side,
+                       y0 = blockIdx.x / tiles.columns * tiles.side,
+                       x1 = std::min(x0 + tiles.side, plane.width),
+                       y1 = std::min(y0 + tiles.side, plane.height);
+  const std::ptrdiff_t x = std::max<std::ptrdiff_t>(x0 - tiles.halo, 0),
+                       y = std::max<std::ptrdiff_t>(y0 - tiles.halo, 0);
+  const SilhouetteWindow window{edges,
+                                x,
+                                y,
+                                std::min(x1 + tiles.halo, plane.width) - x,
+                                std::min(y1 + tiles.halo, plane.height) - y,
+                                silhouettes + blockIdx.x * tiles.window};
+  for_pixels(window.width, window.height,
+             [&](std::ptrdiff_t u, std::ptrdiff_t v) { window.begin(u, v); });
+  __syncthreads();
+  sweep_window(window, 1);
+  sweep_window(window, -1);
+  for_pixels(x1 - x0, y1 - y0, [&](std::ptrdiff_t u, std::ptrdiff_t v) {
+    const std::ptrdiff_t i = (y0 + v) * plane.width + x0 + u;
+    const Silhouette& silhouette = window.of(x0 + u - x, y0 + v - y);
+    revealed[i] =
+        is_revealed(silhouette, behind_depth[i], plane.circles[i], behind_circles[i]) ? 1 : 0;
+  });
 }
 
 /// What lies behind; null where it is not known at all.
 struct Behind {
   const Rgba* color;
-  const float* depth;
   EdgeMap edges;
-  const Silhouette* silhouettes;
+  const std::uint8_t* revealed;
 };
 
 struct FragmentSink {
@@ -133,9 +181,7 @@ __global__ void __launch_bounds__(kThreads)
       add(f, first ? i : atomicAdd(&sink.summary->count, 1U));
       first = false;
     });
-    if (behind.color != nullptr &&
-        is_revealed(behind.silhouettes[i], behind.depth[i], edges.plane.circles[i],
-                    behind.edges.plane.circles[i]))
+    if (behind.color != nullptr && behind.revealed[i] != 0)
       add(behind_fragment(behind, x, y, i), atomicAdd(&sink.summary->count, 1U));
   }
   extremes.tell(sink.summary);
@@ -194,12 +240,32 @@ DeviceFragments::DeviceFragments(std::size_t pixels, bool behind)
       front_jumps_(pixels),
       behind_jumps_(behind ? pixels : 0),
       mixed_(pixels),
-      silhouettes_(behind ? pixels : 0) {}
+      revealed_(behind ? pixels : 0) {}
 
 std::size_t DeviceFragments::bytes_of(std::size_t pixels, bool behind) {
   const std::size_t front = 2 * sizeof(DeviceFragment) + sizeof(float) + 2;
-  const std::size_t more = sizeof(DeviceFragment) + sizeof(float) + 1 + sizeof(Silhouette);
+  const std::size_t more = sizeof(DeviceFragment) + sizeof(float) + 2;
   return pixels * (front + (behind ? more : 0)) + sizeof(FragmentSummary);
+}
+
+void DeviceFragments::reveal(const DevicePicture& picture, const CircleOfDepth& circle,
+                             const EdgeMap& edges, const Stream& stream) {
+  // Nothing is revealed by a silhouette farther away than half the difference of two circles.
+  const float apart = std::abs(circle(picture.farthest()) - circle(picture.nearest())),
+              longest = static_cast<float>(std::max(picture.width(), picture.height()));
+  const RevealTiles tiles(picture.width(), picture.height(),
+                          static_cast<std::ptrdiff_t>(std::min(longest, apart / 2)) + 1);
+  const std::size_t count = tiles.count(picture.height());
+  if (count * tiles.window > silhouettes_.size()) {
+    silhouettes_ = {};
+    expect_free(count * tiles.window * sizeof(Silhouette), "depth of field: silhouettes");
+    silhouettes_.reserve(count * tiles.window);
+  }
+  // Of a window's pixels at most half as many go together as it has columns, or all its rows.
+  const unsigned threads = tiles.side == 64 ? 64 : tiles.side == 256 ? 256 : kSweepThreads;
+  launch(find_revealed, {.blocks = static_cast<unsigned>(count), .threads = threads}, stream, tiles,
+         edges, picture.behind().depth.data(), behind_circles_.data(), silhouettes_.data(),
+         revealed_.data());
 }
 
 void DeviceFragments::find(const DevicePicture& picture, const CircleOfDepth& circle,
@@ -219,11 +285,9 @@ void DeviceFragments::find(const DevicePicture& picture, const CircleOfDepth& ci
   launch(find_mixed, each, stream, edges, mixed_.data());
   Behind behind{};
   if (picture.has_behind()) {
-    behind = {picture.behind().color.data(), picture.behind().depth.data(),
-              edges_of(picture.behind(), behind_circles_, behind_jumps_), silhouettes_.data()};
-    launch(find_own_silhouettes, each, stream, edges, silhouettes_.data());
-    launch(sweep_silhouettes, {.blocks = 1, .threads = kSweepThreads}, stream, edges,
-           silhouettes_.data());
+    behind = {picture.behind().color.data(),
+              edges_of(picture.behind(), behind_circles_, behind_jumps_), revealed_.data()};
+    reveal(picture, circle, edges, stream);
   }
   const MixedPicture mixed{picture.front().color.data(), front_circles_.data(), mixed_.data(),
                            picture.width(), picture.height()};

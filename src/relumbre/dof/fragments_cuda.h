@@ -86,8 +86,10 @@ class DeviceFragments {
   DeviceFragments(std::size_t pixels, bool behind);
   static std::size_t bytes_of(std::size_t pixels, bool behind);
 
-  /// Asynchronous. About 4 + 17 + 65 bytes a pixel are moved. Where something lies behind, which
-  /// of it a silhouette reveals is found by one block in width + 2 · height steps.
+  /// Asynchronous. About 85 bytes a pixel are moved. Where something lies behind, which of it a
+  /// silhouette reveals is found in tiles, each in so many steps as three of its sides are long;
+  /// for blurs that differ by more than 256 pixels in one for the whole picture. That takes up to
+  /// 32 bytes a pixel more. Throws OutOfDeviceMemory.
   void find(const DevicePicture& picture, const CircleOfDepth& circle, const Stream& stream);
 
   [[nodiscard]] DeviceFragment* data() const { return fragments_.data(); }
@@ -95,11 +97,14 @@ class DeviceFragments {
   [[nodiscard]] const float* front_circles() const { return front_circles_.data(); }
 
  private:
+  void reveal(const DevicePicture& picture, const CircleOfDepth& circle, const EdgeMap& edges,
+              const Stream& stream);
+
   DeviceArray<DeviceFragment> fragments_;
   DeviceArray<FragmentSummary> summary_;
   DeviceArray<float> front_circles_, behind_circles_;
-  DeviceArray<std::uint8_t> front_jumps_, behind_jumps_, mixed_;
-  DeviceArray<Silhouette> silhouettes_;
+  DeviceArray<std::uint8_t> front_jumps_, behind_jumps_, mixed_, revealed_;
+  DeviceArray<Silhouette> silhouettes_;  ///< of every tile's window
 };
 
 }  // namespace relumbre::cuda

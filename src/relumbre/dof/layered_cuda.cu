@@ -1,7 +1,10 @@
+#include <algorithm>
 #include <cmath>
 #include <span>
+#include <string>
 #include <vector>
 
+#include "relumbre/base/error.h"
 #include "relumbre/dof/blur_steps.h"
 #include "relumbre/dof/focus.h"
 #include "relumbre/dof/layered_cuda.h"
@@ -10,6 +13,8 @@
 namespace relumbre::cuda {
 
 namespace {
+
+constexpr auto kLargestBlur = static_cast<float>(ApertureKernels::kLargest);
 
 /// Every fragment is in the two steps between which it lies, with the blur that all have there.
 struct StepTable {
@@ -65,6 +70,13 @@ struct StepTable {
   }
 };
 
+/// Tiles look no farther than the largest kernel reaches.
+void check_blur(float largest) {
+  if (largest > kLargestBlur)
+    throw ValueError("largest blur: " + std::to_string(largest) +
+                     " pixels, the device's limit is " + std::to_string(kLargestBlur));
+}
+
 }  // namespace
 
 void DeviceLayered::run(const DevicePicture& picture, DeviceFragments& fragments,
@@ -75,6 +87,7 @@ void DeviceLayered::run(const DevicePicture& picture, DeviceFragments& fragments
   FragmentSummary summary{};
   copy_to_host(fragments.summary(), std::span(&summary, 1), stream);
   stream.wait();
+  check_blur(std::max(std::abs(summary.least_coc()), std::abs(summary.largest_coc())));
   std::vector<float> steps = blur_steps(summary.least_coc(), summary.largest_coc(), config.layers);
   const std::size_t count = steps.size();
   for (std::size_t i = 0; i < count; ++i) steps.push_back(box_radius_of(steps[i]));

@@ -26,7 +26,7 @@ class DeviceLayered {
 
   /// Waits once, for the least and the largest circle of confusion: the steps depend on them.
   /// `result`: a colour a pixel, on the device. Fragments are consumed. Throws ValueError for what
-  /// layered() throws it, OutOfDeviceMemory.
+  /// layered() throws it and for blurs of more than ApertureKernels::kLargest; OutOfDeviceMemory.
   void run(const DevicePicture& picture, DeviceFragments& fragments, const ThinLens& lens,
            const LayeredConfig& config, Rgba* result, const Stream& stream);
 

@@ -9,14 +9,14 @@ namespace {
 /// Tells all pixels of a surface of its silhouettes, by two sweeps over neighbours.
 std::vector<Silhouette> find_silhouettes(const EdgeMap& edges) {
   const std::ptrdiff_t w = edges.plane.width, h = edges.plane.height;
-  std::vector<Silhouette> result;
-  result.reserve(static_cast<std::size_t>(w * h));
+  std::vector<Silhouette> result(static_cast<std::size_t>(w * h));
+  const SilhouetteWindow all{edges, 0, 0, w, h, result.data()};
   for (std::ptrdiff_t y = 0; y < h; ++y)
-    for (std::ptrdiff_t x = 0; x < w; ++x) result.push_back(own_silhouette(edges, x, y));
+    for (std::ptrdiff_t x = 0; x < w; ++x) all.begin(x, y);
   for (std::ptrdiff_t y = 0; y < h; ++y)
-    for (std::ptrdiff_t x = 0; x < w; ++x) sweep_silhouette(edges, result.data(), x, y, 1);
+    for (std::ptrdiff_t x = 0; x < w; ++x) all.sweep(x, y, 1);
   for (std::ptrdiff_t y = h - 1; y >= 0; --y)
-    for (std::ptrdiff_t x = w - 1; x >= 0; --x) sweep_silhouette(edges, result.data(), x, y, -1);
+    for (std::ptrdiff_t x = w - 1; x >= 0; --x) all.sweep(x, y, -1);
   return result;
 }
 

@@ -35,24 +35,37 @@ struct Silhouette {
   return result;
 }
 
-/// What a pixel learns from those of its neighbours of the same surface that a sweep has passed:
-/// from top to bottom and left to right (`step` = 1), or the other way (−1). After both, distances
-/// are right within a tenth. Source: Borgefors 1986.
-RELUMBRE_HOST_DEVICE inline void sweep_silhouette(const EdgeMap& edges, Silhouette* silhouettes,
-                                                  std::ptrdiff_t x, std::ptrdiff_t y, int step) {
-  constexpr float kSide = 1, kDiagonal = 1.3507F;
-  const CirclePlane& plane = edges.plane;
-  Silhouette here = silhouettes[y * plane.width + x];
-  const auto from = [&](int dx, int dy, float cost) {
-    const std::ptrdiff_t u = x + dx, v = y + dy;
-    if (!plane.inside(u, v) || edges.jump(x, y, dx, dy)) return;
-    const Silhouette there = silhouettes[v * plane.width + u];
-    if (there.distance + cost < here.distance) here = {there.distance + cost, there.beyond};
-  };
-  from(-step, 0, kSide), from(0, -step, kSide);
-  from(-1, -step, kDiagonal), from(1, -step, kDiagonal);
-  silhouettes[y * plane.width + x] = here;
-}
+/// Silhouettes of columns [x, x + width) and rows [y, y + height) of a picture. Distances of up to
+/// d are those of the whole picture where the window goes on for d pixels or to the border: nothing
+/// farther away has a say in them.
+struct SilhouetteWindow {
+  EdgeMap edges;
+  std::ptrdiff_t x, y, width, height;
+  Silhouette* at;  ///< row by row
+
+  [[nodiscard]] RELUMBRE_HOST_DEVICE Silhouette& of(std::ptrdiff_t u, std::ptrdiff_t v) const {
+    return at[v * width + u];
+  }
+  RELUMBRE_HOST_DEVICE void begin(std::ptrdiff_t u, std::ptrdiff_t v) const {
+    of(u, v) = own_silhouette(edges, x + u, y + v);
+  }
+  /// What pixel (u, v) of the window learns from those of its neighbours of the same surface that a
+  /// sweep has passed: from top to bottom and left to right (`step` = 1), or the other way (−1).
+  /// After both, distances are right within a tenth. Source: Borgefors 1986.
+  RELUMBRE_HOST_DEVICE void sweep(std::ptrdiff_t u, std::ptrdiff_t v, int step) const {
+    constexpr float kSide = 1, kDiagonal = 1.3507F;
+    Silhouette here = of(u, v);
+    const auto from = [&](int dx, int dy, float cost) {
+      const bool inside = u + dx >= 0 && u + dx < width && v + dy >= 0 && v + dy < height;
+      if (!inside || edges.jump(x + u, y + v, dx, dy)) return;
+      const Silhouette there = of(u + dx, v + dy);
+      if (there.distance + cost < here.distance) here = {there.distance + cost, there.beyond};
+    };
+    from(-step, 0, kSide), from(0, -step, kSide);
+    from(-1, -step, kDiagonal), from(1, -step, kDiagonal);
+    of(u, v) = here;
+  }
+};
 
 /// Whether a lens sees a pixel's hidden surface past the silhouette: `front` and `behind` are
 /// circles of confusion, `depth` is that of what is hidden (0: not known).

@@ -41,6 +41,9 @@ struct Candidate {
   int x, y, columns;
 };
 
+/// Blocks that a multiprocessor is to have room for: with more, registers would be spilled.
+inline constexpr unsigned kTileBlocks = 2;
+
 /// Layers that are looked for in a tile at once.
 inline constexpr std::uint32_t kPresence = 64;
 
@@ -81,8 +84,9 @@ class TileSources {
   }
 
   /// Entries of the layer in cells that are near enough: rows of cells, in each of which they
-  /// follow one another.
+  /// follow one another. A thread a row, which is enough for the largest blurs.
   __device__ unsigned find(std::uint32_t layer) {
+    static_assert(kTileThreads * kCellRows > 1.1 * ApertureKernels::kLargest + 2 * Blurs::kRows);
     layer_ = layer;
     const Near near = near_cells(layer);
     const std::uint32_t row = near.first_row + threadIdx.x;
@@ -195,19 +199,16 @@ template <class Blurs>
 class TileCover {
  public:
   __device__ TileCover(const SortedFragments& sorted, int left, int top)
-      : bright_(ldexp(1.0, exponent_of(sorted.summary))),
-        left_(left + 2 * static_cast<int>(threadIdx.x % kWarp)),
-        top_(top + static_cast<int>(threadIdx.x / kWarp)),
-        width_(static_cast<int>(sorted.width)),
-        height_(static_cast<int>(sorted.height)) {}
+      : sorted_(sorted), left_(left), top_(top) {}
 
   /// Row r of the thread's warp: what is in front of it is there already.
   template <class Row>
   __device__ void add(int r, const Row& row, double tolerance) {
+    const double bright = ldexp(1.0, exponent_of(sorted_.summary));
 #pragma unroll
     for (int j = 0; j < 2; ++j) {
       const auto lane = [&](int q) {
-        return static_cast<float>(double_of(row.sum[q][j]) * bright_);
+        return static_cast<float>(double_of(row.sum[q][j]) * bright);
       };
       const double weight = double_of(row.sum[Blurs::kLaneCount - 1][j]);
       const Rgba sum{lane(0), lane(1), lane(2),
@@ -230,19 +231,24 @@ class TileCover {
 #pragma unroll
       for (int j = 0; j < 2; ++j)
         if (inside(r, j))
-          picture[static_cast<std::size_t>(row(r)) * static_cast<std::size_t>(width_) +
-                  static_cast<std::size_t>(left_ + j)] =
+          picture[static_cast<std::size_t>(row(r)) * sorted_.width +
+                  static_cast<std::size_t>(column(j))] =
               PixelCover{color_[r][j], weight_[r][j], share_[r][j]}.whole();
   }
 
  private:
-  [[nodiscard]] __device__ int row(int r) const { return top_ + r * static_cast<int>(kTileWarps); }
+  [[nodiscard]] __device__ int row(int r) const {
+    return top_ + static_cast<int>(threadIdx.x / kWarp) + r * static_cast<int>(kTileWarps);
+  }
+  [[nodiscard]] __device__ int column(int j) const {
+    return left_ + 2 * static_cast<int>(threadIdx.x % kWarp) + j;
+  }
   [[nodiscard]] __device__ bool inside(int r, int j) const {
-    return left_ + j < width_ && row(r) < height_;
+    return column(j) < static_cast<int>(sorted_.width) && row(r) < static_cast<int>(sorted_.height);
   }
 
-  double bright_;
-  int left_, top_, width_, height_;
+  const SortedFragments& sorted_;
+  int left_, top_;
   Rgba color_[Blurs::kRowsPerWarp][2] = {};
   double weight_[Blurs::kRowsPerWarp][2] = {}, share_[Blurs::kRowsPerWarp][2] = {};
 };
@@ -254,7 +260,7 @@ class TileCover {
 /// either side that it touches, or a few more; layer_reach(sorted, layer), the largest of a layer;
 /// diameter(sorted, layer), for the cover's tolerance.
 template <class Blurs>
-__global__ void __launch_bounds__(kTileThreads, 2)
+__global__ void __launch_bounds__(kTileThreads, kTileBlocks)
     spread_tiles(SortedFragments sorted, typename Blurs::Table table, Rgba* result) {
   auto& memory = shared_as<TileMemory<Blurs>>();
   const unsigned tiles = (sorted.width + kTileColumns - 1) / kTileColumns;
