@@ -153,6 +153,7 @@ class SkewedSums {
   }
 
   void await(int y, std::size_t level, Part part) {
+    if (y >= last_) bottom_ = last_ - 1;  // until then the blur goes on as it is
     if (y < first_ || y >= last_) return;
     std::uint32_t& head = events_of_[index(y)];
     events_.push_back({static_cast<std::uint32_t>(sources_.size() - 1), head,

@@ -80,6 +80,32 @@ TEST(SkewedSums, ABoxIsTheBoxByRows) {
       ASSERT_NEAR(fast[i].lane[lane], slow[i].lane[lane], 1e-5) << i % kWidth << "," << i / kWidth;
 }
 
+/// One blur alone, with nothing else in the rows that it passes through: all of the stripe's, too.
+template <bool kUpright>
+void expect_whole(const Twins<kUpright>& twins, double tolerance) {
+  for (const std::uint32_t y : {2U, 12U, 40U, 68U, 81U}) {
+    for (const float diameter : {30.0F, -56.0F, 88.0F}) {
+      const std::vector<Fragment> one{{.x = 48, .y = y, .coc = diameter, .color = {1, 1, 1, 1}}};
+      const auto fast = twins.fast(one), slow = twins.slow(one);
+      for (std::size_t row = 0; row < kLast - kFirst; ++row) {
+        double sum = 0, expected = 0;
+        for (std::size_t x = 0; x < kWidth; ++x) {
+          sum += fast[row * kWidth + x].weight();
+          expected += slow[row * kWidth + x].weight();
+        }
+        EXPECT_NEAR(sum, expected, tolerance / std::abs(static_cast<double>(diameter)))
+            << "at " << y << ", " << diameter << " wide: row " << row;
+      }
+    }
+  }
+}
+
+TEST(SkewedSums, ABlurAloneIsInAllOfItsRows) {
+  expect_whole(Twins<true>{.shape = BlurShape::kBox, .aperture = {}}, 1e-4);
+  for (const Aperture& aperture : kPolygons)
+    expect_whole(Twins<false>{.shape = BlurShape::kAperture, .aperture = aperture}, 0.1);
+}
+
 /// A sum that counts how often something is added to any.
 struct CountedSum : OpaqueSum {
   static inline std::size_t additions = 0;
