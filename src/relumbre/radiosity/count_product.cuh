@@ -18,6 +18,7 @@
 
 #include "relumbre/cuda/launch.cuh"
 #include "relumbre/cuda/ptx.cuh"
+#include "relumbre/radiosity/count_table_cuda.h"
 
 namespace relumbre::cuda {
 
@@ -79,12 +80,6 @@ struct TableHalf {
     pair[0] = words[2 * j];
     pair[1] = words[2 * j + 1];
   }
-};
-
-/// A count beyond the table's format.
-struct ExcessCount {
-  std::uint32_t row, column;
-  float count;
 };
 
 struct CountProduct {

@@ -9,7 +9,11 @@
 
 namespace relumbre::cuda {
 
-struct ExcessCount;
+/// A count beyond the table's format.
+struct ExcessCount {
+  std::uint32_t row, column;
+  float count;
+};
 
 /// A table of 8-bit or 16-bit counts with the list of what is beyond them, or of half-precision
 /// floats. kFloat32 is not one of the device's formats.
