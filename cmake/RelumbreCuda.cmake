@@ -11,7 +11,7 @@
 # Tests named *_cuda_full_test.cu also compare with CPU code that needs libraries (Highway, Embree):
 # they are left out where RELUMBRE_GPU_CHECK builds without those.
 if(RELUMBRE_CUDA)
-  if(NOT DEFINED CMAKE_CUDA_ARCHITECTURES)
+  if(NOT DEFINED CMAKE_CUDA_ARCHITECTURES AND NOT DEFINED ENV{CUDAARCHS})
     set(CMAKE_CUDA_ARCHITECTURES 75 80 86 89 90)
   endif()
   enable_language(CUDA)
