@@ -124,8 +124,8 @@ class DeviceRelight::Work {
   void relight() {
     const UseDevice use(device_.index);
     if (!graph_) {
-      run_with_copies(one_,
-                      1);  // kernels are loaded by their first launch, not while it is recorded
+      // Kernels are loaded by their first launch, which must not be the one that is recorded.
+      run_with_copies(one_, 1);
       stream_.wait();
       graph_ = Graph(stream_, [this] { run_with_copies(one_, 1); });
     }
