@@ -2,12 +2,12 @@
 // written; and box filters from them. Tables are compared with a few sums made on the host before
 // any time is taken.
 #include <cstdint>
-#include <random>
 #include <string>
 #include <type_traits>
 
 #include "bench.cuh"
 #include "relumbre/sat/sat_cuda.h"
+#include "relumbre/sat/test_images.h"
 
 namespace relumbre::bench {
 namespace {
@@ -17,19 +17,6 @@ using cuda::DeviceSat;
 using cuda::Stream;
 
 constexpr std::size_t kWidth = 3840, kHeight = 2160;
-
-template <class In>
-std::vector<In> random_image(std::size_t values) {
-  std::mt19937 random(1);
-  std::vector<In> image(values);
-  for (In& v : image) {
-    if constexpr (std::is_same_v<In, float>)
-      v = static_cast<float>(random() >> 8) * 0x1p-24F;
-    else
-      v = static_cast<In>(random());
-  }
-  return image;
-}
 
 /// Sums over a few boxes, the largest from corner to corner.
 template <class In>
@@ -63,7 +50,7 @@ void expect_right(const DeviceSat& table, const std::vector<In>& image, const St
 
 template <class In>
 Row table_of(const char* name, std::size_t channels, SatConfig config, const Stream& stream) {
-  const auto image = random_image<In>(kWidth * kHeight * channels);
+  const auto image = noise<In>(kWidth * kHeight * channels, 1);
   const auto pixels = cuda::to_device(std::span<const In>(image), stream);
   if (std::is_same_v<In, float>) config.range = SatRange{0, 1};
   DeviceSat table(kWidth, kHeight, channels, config);
@@ -85,7 +72,7 @@ Row table_of(const char* name, std::size_t channels, SatConfig config, const Str
 /// Reads 4 or 16 sums a value, which neighbours share.
 void filters(const Stream& stream) {
   constexpr std::size_t kChannels = 4;
-  const auto image = random_image<float>(kWidth * kHeight * kChannels);
+  const auto image = noise<float>(kWidth * kHeight * kChannels, 1);
   const auto pixels = cuda::to_device(std::span<const float>(image), stream);
   std::vector<float> each(kWidth * kHeight);
   for (std::size_t i = 0; i < each.size(); ++i)

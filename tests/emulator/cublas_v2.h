@@ -26,9 +26,6 @@ inline cublasStatus_t cublasSetStream(cublasHandle_t handle, cudaStream_t stream
 inline cublasStatus_t cublasSetMathMode(cublasHandle_t, cublasMath_t) {
   return CUBLAS_STATUS_SUCCESS;
 }
-inline cublasStatus_t cublasSetWorkspace(cublasHandle_t, void*, std::size_t) {
-  return CUBLAS_STATUS_SUCCESS;
-}
 
 /// c = alpha · op(a) op(b) + beta · c, columns contiguous.
 inline cublasStatus_t cublasSgemm(cublasHandle_t handle, cublasOperation_t op_a,

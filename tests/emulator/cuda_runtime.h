@@ -38,12 +38,6 @@ struct alignas(16) float4 {
 struct alignas(16) double2 {
   double x, y;
 };
-struct alignas(16) ulonglong2 {
-  unsigned long long x, y;
-};
-struct alignas(4) uchar4 {
-  unsigned char x, y, z, w;
-};
 inline uint2 make_uint2(unsigned x, unsigned y) { return {x, y}; }
 inline uint4 make_uint4(unsigned x, unsigned y, unsigned z, unsigned w) { return {x, y, z, w}; }
 inline int2 make_int2(int x, int y) { return {x, y}; }
@@ -51,8 +45,6 @@ inline int4 make_int4(int x, int y, int z, int w) { return {x, y, z, w}; }
 inline float2 make_float2(float x, float y) { return {x, y}; }
 inline float3 make_float3(float x, float y, float z) { return {x, y, z}; }
 inline float4 make_float4(float x, float y, float z, float w) { return {x, y, z, w}; }
-inline double2 make_double2(double x, double y) { return {x, y}; }
-inline ulonglong2 make_ulonglong2(unsigned long long x, unsigned long long y) { return {x, y}; }
 
 using std::max;
 using std::min;
@@ -164,28 +156,14 @@ T atomicExch(T* at, T value) {
   const T old = *at;
   return *at = value, old;
 }
-template <class T>
-T atomicCAS(T* at, T expected, T value) {
-  const T old = *at;
-  if (old == expected) *at = value;
-  return old;
-}
 
 template <class T>
 T __ldg(const T* at) {
   return *at;
 }
 template <class T>
-T __ldcs(const T* at) {
-  return *at;
-}
-template <class T>
 T __ldcg(const T* at) {
   return *at;
-}
-template <class T>
-void __stcs(T* at, T value) {
-  *at = value;
 }
 template <class T>
 void __stcg(T* at, T value) {
@@ -200,11 +178,6 @@ inline int __ffs(int x) { return x == 0 ? 0 : std::countr_zero(static_cast<unsig
 inline int __ffsll(long long x) {
   return x == 0 ? 0 : std::countr_zero(static_cast<unsigned long long>(x)) + 1;
 }
-inline unsigned __brev(unsigned x) {
-  unsigned result = 0;
-  for (int i = 0; i < 32; ++i) result |= (x >> i & 1) << (31 - i);
-  return result;
-}
 /// Bytes of y x, numbered 0 to 7, by the four nibbles of a selector.
 inline unsigned __byte_perm(unsigned x, unsigned y, unsigned selector) {
   const std::uint64_t bytes = static_cast<std::uint64_t>(y) << 32 | x;
@@ -218,7 +191,6 @@ inline unsigned __float_as_uint(float x) { return std::bit_cast<unsigned>(x); }
 inline float __int_as_float(int x) { return std::bit_cast<float>(x); }
 inline int __float_as_int(float x) { return std::bit_cast<int>(x); }
 inline long long __double_as_longlong(double x) { return std::bit_cast<long long>(x); }
-inline double __longlong_as_double(long long x) { return std::bit_cast<double>(x); }
 inline float __fmaf_rn(float a, float b, float c) { return std::fma(a, b, c); }
 inline double __fma_rn(double a, double b, double c) { return std::fma(a, b, c); }
 inline float __fadd_rn(float a, float b) { return a + b; }
@@ -231,4 +203,3 @@ inline double __dmul_rn(double a, double b) { return a * b; }
 inline float __fsqrt_rn(float a) { return std::sqrt(a); }
 inline int __float2int_rn(float a) { return static_cast<int>(std::nearbyint(a)); }
 inline long long __double2ll_rn(double a) { return static_cast<long long>(std::nearbyint(a)); }
-inline float rsqrtf(float a) { return 1 / std::sqrt(a); }

@@ -23,19 +23,6 @@ __device__ __forceinline__ void store_relaxed(std::uint32_t* at, std::uint32_t v
 __device__ __forceinline__ void store_relaxed(std::uint64_t* at, std::uint64_t value) {
   asm volatile("st.relaxed.gpu.global.u64 [%0], %1;" ::"l"(at), "l"(value) : "memory");
 }
-/// What was written before the store_release that this reads from is seen after it.
-__device__ __forceinline__ std::uint32_t load_acquire(const std::uint32_t* at) {
-  std::uint32_t value;
-  asm volatile("ld.acquire.gpu.global.u32 %0, [%1];" : "=r"(value) : "l"(at) : "memory");
-  return value;
-}
-__device__ __forceinline__ void store_release(std::uint32_t* at, std::uint32_t value) {
-  asm volatile("st.release.gpu.global.u32 [%0], %1;" ::"l"(at), "r"(value) : "memory");
-}
-/// An atomic sum whose old value nobody wants.
-__device__ __forceinline__ void add_without_result(float* at, float value) {
-  asm volatile("red.relaxed.gpu.global.add.f32 [%0], %1;" ::"l"(at), "f"(value) : "memory");
-}
 
 /// Makes the compiler take `value` for a new one. What it worked out from the old one it then works
 /// out again instead of keeping it in registers. No instruction.

@@ -5,25 +5,12 @@
 
 #include "relumbre/cuda/testing.h"
 #include "relumbre/geometry/test_shapes.h"
+#include "relumbre/radiosity/count_differences.h"
 #include "relumbre/radiosity/form_factor_rows.h"
 #include "relumbre/radiosity/form_factors_cuda.h"
 
 namespace relumbre::cuda {
 namespace {
-
-/// Rays that the two count in different columns: half of the sum of differences, at the most.
-std::uint64_t differences(const SparseCounts& a, const SparseCounts& b) {
-  std::uint64_t sum = 0;
-  std::vector<std::int64_t> row(a.columns);
-  for (std::size_t i = 0; i < a.rows(); ++i) {
-    for (std::size_t e = 0; e < a.row_columns(i).size(); ++e)
-      row[a.row_columns(i)[e]] += a.row_counts(i)[e];
-    for (std::size_t e = 0; e < b.row_columns(i).size(); ++e)
-      row[b.row_columns(i)[e]] -= b.row_counts(i)[e];
-    for (std::int64_t& d : row) sum += static_cast<std::uint64_t>(d < 0 ? -d : d), d = 0;
-  }
-  return (sum + 1) / 2;
-}
 
 std::uint64_t differences(const TriangleMesh& mesh, std::size_t k, std::size_t n,
                           std::uint32_t rays) {
@@ -41,7 +28,7 @@ std::uint64_t differences(const TriangleMesh& mesh, std::size_t k, std::size_t n
       mesh, tessellation, config, Binning::kPatches, 0,
       [&](std::size_t, const SparseCounts& block, const RayTally&) { append(found, block); });
   EXPECT_EQ(found.rows(), expected.counts.rows());
-  return differences(found, expected.counts);
+  return rays_counted_otherwise(found, expected.counts);
 }
 
 /// Of a million rays about one passes so close to an edge that rounding decides.

@@ -1,8 +1,6 @@
 #include <cmath>
 #include <cstdint>
-#include <random>
 #include <string>
-#include <type_traits>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -10,6 +8,7 @@
 #include "relumbre/cuda/memory.h"
 #include "relumbre/cuda/testing.h"
 #include "relumbre/sat/sat_cuda.h"
+#include "relumbre/sat/test_images.h"
 
 namespace relumbre::cuda {
 namespace {
@@ -17,19 +16,6 @@ namespace {
 struct Size {
   std::size_t width, height;
 };
-
-template <class In>
-std::vector<In> random_image(std::size_t values, unsigned seed) {
-  std::mt19937 random(seed);
-  std::vector<In> image(values);
-  for (In& v : image) {
-    if constexpr (std::is_same_v<In, float>)
-      v = static_cast<float>(random() >> 8) * 0x1p-24F;
-    else
-      v = static_cast<In>(random());
-  }
-  return image;
-}
 
 std::string message_of_check(DeviceSat& table, const Stream& stream) {
   try {
@@ -89,7 +75,7 @@ TEST(DeviceSat, FindsRangeAndMeanOfTheImage) {
   RELUMBRE_NEEDS_DEVICE();
   const Stream stream;
   const Size size{90, 100};
-  auto image = random_image<float>(size.width * size.height * 2, 12);
+  auto image = noise<float>(size.width * size.height * 2, 12);
   image[5000] = -3, image[12000] = 7;
   const auto pixels = to_device(std::span<const float>(image), stream);
   DeviceSat fixed(size.width, size.height, 2);
@@ -110,7 +96,7 @@ TEST(DeviceSat, BoxSumsAndMeansAreThoseOfLoops) {
   const Stream stream;
   const Size size{50, 41};
   for (std::size_t channels = 1; channels <= 4; ++channels) {
-    const auto image = random_image<std::uint8_t>(size.width * size.height * channels, 4);
+    const auto image = noise<std::uint8_t>(size.width * size.height * channels, 4);
     const auto pixels = to_device(std::span<const std::uint8_t>(image), stream);
     DeviceSat table(size.width, size.height, channels, {.kind = SatKind::kFixed32});
     table.build(pixels.data(), stream);

@@ -1,9 +1,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <random>
 #include <string>
-#include <type_traits>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -13,23 +11,11 @@
 #include "relumbre/cuda/testing.h"
 #include "relumbre/sat/sat_chain_cuda.cuh"
 #include "relumbre/sat/sat_table_cuda.h"
+#include "relumbre/sat/test_images.h"
 #include "relumbre/sat/tile_order_cuda.cuh"
 
 namespace relumbre::cuda {
 namespace {
-
-template <class In>
-std::vector<In> random_image(std::size_t values, unsigned seed) {
-  std::mt19937 random(seed);
-  std::vector<In> image(values);
-  for (In& v : image) {
-    if constexpr (std::is_same_v<In, float>)
-      v = static_cast<float>(random() >> 8) * 0x1p-24F;
-    else
-      v = static_cast<In>(random());
-  }
-  return image;
-}
 
 struct Size {
   std::size_t width, height;
@@ -108,7 +94,7 @@ void expect_integers() {
   ScanScratch scratch;
   for (const Size& size : kSizes) {
     for (std::size_t channels = 1; channels <= 4; ++channels) {
-      const auto image = random_image<In>(size.width * size.height * channels, 7);
+      const auto image = noise<In>(size.width * size.height * channels, 7);
       const auto built = build<T>(image, size, channels, SatSummands<In>{}, scratch, stream);
       expect_table(built, twin<T>(image, built.layout, [](In v) { return static_cast<T>(v); }),
                    text(size, channels), [](T a, T b, std::size_t) { return a == b; });
@@ -130,7 +116,7 @@ TEST(SatCuda, RealsAreRoundedToUnits) {
   ScanScratch scratch;
   const Size size{70, 35};
   for (std::size_t channels = 1; channels <= 4; ++channels) {
-    auto image = random_image<float>(size.width * size.height * channels, 3);
+    auto image = noise<float>(size.width * size.height * channels, 3);
     image[0] = 0.5F, image[1] = 1.5F, image[2] = -0.5F;  // halves go to even
     const SatSummands<float> small{.scale = 1}, fine{.scale = 0x1p40};
     const auto exact = [](auto a, auto b, std::size_t) { return a == b; };
@@ -159,7 +145,7 @@ TEST(SatCuda, FloatSumsAreWithinTheirTolerance) {
   ScanScratch scratch;
   for (const Size& size : kSizes) {
     for (std::size_t channels = 1; channels <= 4; ++channels) {
-      const auto image = random_image<float>(size.width * size.height * channels, 5);
+      const auto image = noise<float>(size.width * size.height * channels, 5);
       const auto steps = static_cast<double>(1 + size.width / 32 + size.height / 32);
       const auto near = [&](double unit) {
         return [=](auto a, double b, std::size_t pixels) {  // summands are from 0 to 1
@@ -187,7 +173,7 @@ TEST(SatCuda, FloatTablesHaveTheSameBitsInEveryRun) {
   const Stream stream;
   ScanScratch scratch;
   const Size size{400, 150};
-  const auto image = random_image<float>(size.width * size.height * 4, 6);
+  const auto image = noise<float>(size.width * size.height * 4, 6);
   const auto first = build<float>(image, size, 4, SatSummands<float>{}, scratch, stream);
   for (int run = 0; run < 3; ++run) {
     const auto again = build<float>(image, size, 4, SatSummands<float>{}, scratch, stream);
@@ -204,7 +190,7 @@ TEST(SatCuda, PixelsMayBeginAnywhere) {
   const Stream stream;
   ScanScratch scratch;
   const Size size{130, 66};
-  const auto image = random_image<std::uint8_t>(size.width * size.height * 2, 8);
+  const auto image = noise<std::uint8_t>(size.width * size.height * 2, 8);
   for (const std::size_t offset : {1, 2, 5}) {
     const auto built =
         build<std::uint32_t>(image, size, 2, SatSummands<std::uint8_t>{}, scratch, stream, offset);

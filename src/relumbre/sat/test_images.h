@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 #include <vector>
 
 #include "relumbre/base/sampling.h"
@@ -25,6 +26,15 @@ std::vector<In> noise_integers(std::size_t values, std::uint64_t seed) {
   RandomStream random(seed);
   for (In& v : image) v = static_cast<In>(random.bits());
   return image;
+}
+
+/// From 0 to 1, or all that an integer type has.
+template <class In>
+std::vector<In> noise(std::size_t values, std::uint64_t seed) {
+  if constexpr (std::is_same_v<In, float>)
+    return noise_image(values, seed);
+  else
+    return noise_integers<In>(values, seed);
 }
 
 }  // namespace relumbre

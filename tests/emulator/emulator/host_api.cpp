@@ -129,24 +129,9 @@ cudaError_t cudaFreeHost(void* pointer) {
   std::free(pointer);
   return cudaSuccess;
 }
-cudaError_t cudaMemcpy(void* to, const void* from, std::size_t bytes, cudaMemcpyKind) {
-  emulator::synchronize();
-  std::memmove(to, from, bytes);
-  return cudaSuccess;
-}
 cudaError_t cudaMemcpyAsync(void* to, const void* from, std::size_t bytes, cudaMemcpyKind,
                             cudaStream_t stream) {
   emulator::enqueue(stream, [=] { std::memmove(to, from, bytes); });
-  return cudaSuccess;
-}
-cudaError_t cudaMemcpy2DAsync(void* to, std::size_t to_pitch, const void* from,
-                              std::size_t from_pitch, std::size_t width, std::size_t height,
-                              cudaMemcpyKind, cudaStream_t stream) {
-  emulator::enqueue(stream, [=] {
-    for (std::size_t y = 0; y < height; ++y)
-      std::memmove(static_cast<char*>(to) + y * to_pitch,
-                   static_cast<const char*>(from) + y * from_pitch, width);
-  });
   return cudaSuccess;
 }
 cudaError_t cudaMemsetAsync(void* at, int value, std::size_t bytes, cudaStream_t stream) {
@@ -170,9 +155,6 @@ cudaError_t cudaStreamSynchronize(cudaStream_t) { return emulator::synchronize()
 cudaError_t cudaStreamWaitEvent(cudaStream_t stream, cudaEvent_t event, unsigned) {
   if (event->capture != nullptr) stream->capture = event->capture;  // it joins
   return cudaSuccess;
-}
-cudaError_t cudaLaunchHostFunc(cudaStream_t stream, cudaHostFn_t function, void* data) {
-  return emulator::enqueue(stream, [=] { function(data); }), cudaSuccess;
 }
 cudaError_t cudaEventCreateWithFlags(cudaEvent_t* event, unsigned) {
   return *event = new CUevent_st, cudaSuccess;

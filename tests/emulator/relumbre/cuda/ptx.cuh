@@ -17,15 +17,6 @@ void store_relaxed(T* at, T value) {
   *at = value;
 }
 template <class T>
-T load_acquire(const T* at) {
-  return *at;
-}
-template <class T>
-void store_release(T* at, T value) {
-  *at = value;
-}
-inline void add_without_result(float* at, float value) { atomicAdd(at, value); }
-template <class T>
 void forget(T&) {}
 
 /// d += a b; see the real one. Each lane gives its parts of a and b.
